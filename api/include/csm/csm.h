@@ -1,0 +1,345 @@
+/*
+ * csm.h: cascaded shadow maps for an engine, on whichever backend is loaded.
+ *
+ *   csm_create -> csm_mesh_create -> csm_cascades_create -> each frame: csm_render_cascades, csm_resolve_mask or csm_bind
+ *
+ * Conventions: column vectors, column-major matrices (element [column * 4 + row]), world positions in doubles, metres.
+ * Clip z in [0,1], clip y up; texture coordinate v = 0 and texel row 0 are clip y = +1. A light's direction is the way
+ * its light travels. View matrices take world to view; projections may be perspective or orthographic, off-centre,
+ * jittered, reversed-Z, with an infinite far plane, of either handedness.
+ *
+ * Structs begin with struct_size = sizeof(the struct). A smaller size means that the missing tail is zero, which is
+ * neutral; a larger one is accepted when its unknown tail is zero. Outputs are never written past the caller's size.
+ *
+ * Every function but csm_destroy and those that return text returns a csm_result. An error leaves everything as it was
+ * and has a text: csm_last_error, and the log callback. After CSM_ERROR_DEVICE_LOST every call on that context but
+ * csm_destroy, csm_switch_backend and csm_last_error answers CSM_ERROR_DEVICE_LOST.
+ *
+ * Threads: [any-thread] may be called at any time; [render-thread] one call at a time for one context, from any thread.
+ * Contexts are independent of each other.
+ */
+#ifndef CSM_H
+#define CSM_H
+
+#include "csm_base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define CSM_MAX_CASCADES 8
+
+typedef struct csm_context csm_context;   /* a device, with geometry and programs on it */
+typedef struct csm_cascades csm_cascades; /* one light seen from one camera: settings, maps, history */
+typedef uint64_t csm_mesh;                /* a mesh of one context; 0 is none */
+
+struct csm_vulkan_device; /* csm_vulkan.h */
+struct csm_d3d12_device;  /* csm_d3d12.h */
+
+/* ---- library ---- */
+
+/* CSM_VERSION of the library that runs. [any-thread] */
+CSM_API uint32_t CSM_CALL csm_version(void);
+
+/* The name of a result ("CSM_ERROR_NULL_POINTER"), or "CSM_RESULT_UNKNOWN". Static text. [any-thread] */
+CSM_API const char *CSM_CALL csm_result_name(csm_result result);
+
+/*
+ * The text of the context's last error, "" if there was none or context is NULL. It stays until the next failing call
+ * on the context. [render-thread]
+ */
+CSM_API const char *CSM_CALL csm_last_error(const csm_context *context);
+
+enum { CSM_DEVICE_OTHER = 0, CSM_DEVICE_INTEGRATED = 1, CSM_DEVICE_DISCRETE = 2, CSM_DEVICE_VIRTUAL = 3, CSM_DEVICE_CPU = 4 };
+
+typedef struct csm_backend_info {
+  uint32_t struct_size;
+  int32_t result;          /* CSM_SUCCESS: it loads and finds a device; else what is in the way */
+  uint32_t device_type;    /* CSM_DEVICE_* of the device it would open */
+  uint32_t max_resolution; /* largest map side, in texels */
+  char name[32];           /* "vulkan", "d3d12" */
+  char path[256];          /* the library's file; "" if none was found */
+  char device[256];        /* the device it would open */
+  char driver[256];        /* driver and version, as it calls itself */
+  char required[512];      /* what an engine must enable on its own device: extensions, features and limits */
+  char optional[512];      /* what is used where it is on */
+  char error[256];         /* the text of `result` */
+} csm_backend_info;
+
+/*
+ * Tells what is installed. *count holds the room in `infos`, and gets the number of backends; infos may be NULL to ask
+ * for that number alone. infos[0].struct_size gives the stride; every element is filled.
+ * Errors: NULL_POINTER (count), STRUCT_SIZE, OUT_OF_MEMORY. [any-thread]
+ */
+CSM_API csm_result CSM_CALL csm_query_backends(uint32_t *count, csm_backend_info *infos);
+
+/* ---- context ---- */
+
+enum {
+  CSM_CREATE_VALIDATE = 1u << 0 /* own device: turn the driver stack's validation on, messages go to the log */
+};
+
+typedef struct csm_create_info {
+  uint32_t struct_size;
+  uint32_t flags;         /* CSM_CREATE_* */
+  uint32_t version;       /* CSM_VERSION that the caller was compiled with */
+  uint32_t frame_slots;   /* frames in flight, 1 to 8; 0 means 3 */
+  const char *backend;    /* "vulkan" or "d3d12", or a library's path, with a slash in it */
+  const char *device;     /* own device: part of its name; NULL takes the first discrete, integrated, virtual, CPU one */
+  uint64_t memory_limit;  /* device memory that the context may hold, in bytes; 0 means what the device allows */
+  const struct csm_vulkan_device *vulkan; /* the engine's device; NULL opens an own one */
+  const struct csm_d3d12_device *d3d12;   /* likewise; at most one of the two */
+  csm_allocate_function allocate;         /* both or neither; NULL uses malloc */
+  csm_release_function release;
+  csm_log_function log;   /* NULL is silent */
+  void *user;             /* handed to the three callbacks */
+  char *error;            /* receives the text of a creation that failed; may be NULL */
+  uint64_t error_size;    /* bytes at `error` */
+} csm_create_info;
+
+/*
+ * Loads a backend and makes a context on it. A name is looked up beside libcsm, then in the folder it was installed to;
+ * never in the current folder.
+ * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (flags, frame_slots, backend), BACKEND_NOT_FOUND, BACKEND_BROKEN,
+ * BACKEND_TOO_OLD, BACKEND_TOO_NEW, NO_DEVICE, UNSUPPORTED (an engine's device, in this version), OUT_OF_MEMORY,
+ * OUT_OF_DEVICE_MEMORY, DEVICE. *context is NULL after an error. [any-thread]
+ */
+CSM_API csm_result CSM_CALL csm_create(const csm_create_info *info, csm_context **context);
+
+/*
+ * Waits for the own device, then destroys the context with all its meshes and cascades; NULL is allowed.
+ * [render-thread]
+ */
+CSM_API void CSM_CALL csm_destroy(csm_context *context);
+
+/* Moves the context to another backend between two frames. UNSUPPORTED in this version. [render-thread] */
+CSM_API csm_result CSM_CALL csm_switch_backend(csm_context *context, const csm_create_info *info);
+
+/* Engine's device: the GPU is done with frames up to `frame`. UNSUPPORTED in this version. [render-thread] */
+CSM_API csm_result CSM_CALL csm_retire(csm_context *context, uint64_t frame);
+
+/* ---- geometry ---- */
+
+typedef struct csm_mesh_info {
+  uint32_t struct_size;
+  uint32_t flags;             /* 0 */
+  const void *positions;      /* vertex_count times three floats: object space, metres; copied */
+  uint32_t position_stride;   /* bytes from one to the next, a multiple of 4; 0 means 12 */
+  uint32_t vertex_count;      /* 1 to 2^31 - 1 */
+  const void *indices;        /* index_count indices, three a triangle; copied */
+  uint32_t index_count;       /* a positive multiple of 3 */
+  uint32_t index_size;        /* 2 or 4 bytes */
+  const char *name;           /* for debuggers; may be NULL */
+} csm_mesh_info;
+
+/*
+ * Copies a triangle mesh into the context. It is uploaded by the next frame that is recorded.
+ * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (counts, stride, index_size, flags), INVALID_INDEX (an index not
+ * below vertex_count), NOT_FINITE (a position), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, LIMIT_EXCEEDED, DEVICE_LOST.
+ * *mesh is 0 after an error. [render-thread]
+ */
+CSM_API csm_result CSM_CALL csm_mesh_create(csm_context *context, const csm_mesh_info *info, csm_mesh *mesh);
+
+/* Frees a mesh once no frame in flight uses it. Errors: NULL_POINTER, INVALID_HANDLE. [render-thread] */
+CSM_API csm_result CSM_CALL csm_mesh_destroy(csm_context *context, csm_mesh mesh);
+
+/* ---- configuration ---- */
+
+enum { CSM_SPLIT_PRACTICAL = 0, CSM_SPLIT_MANUAL = 1 };
+enum { CSM_FILTER_PCF_2X2 = 0, CSM_FILTER_PCF_3X3 = 1 };
+
+/* A configuration of cascades. csm_config_describe gives the unit, range and default of every field. */
+typedef struct csm_config {
+  uint32_t struct_size;
+  uint32_t cascade_count;         /* 1 to 8 */
+  uint32_t resolution;            /* of every map, in texels a side; 16 to 16384, and what the device can do */
+  uint32_t split_mode;            /* CSM_SPLIT_* */
+  uint32_t filter;                /* CSM_FILTER_* */
+  uint32_t reserved;              /* 0 */
+  double shadow_distance;         /* view depth at which shadows end, in metres */
+  double split_lambda;            /* practical splits: 0 uniform, 1 logarithmic */
+  double split_distances[CSM_MAX_CASCADES]; /* manual splits: where each cascade ends, as view depth in metres, rising;
+                                               unused entries are 0. The last one ends the shadows, unless
+                                               shadow_distance ends them before */
+  double caster_distance;         /* how far before a slice, towards the light, a caster's depth is kept, in metres;
+                                     nearer ones are clamped to the near plane, and still cast */
+  double bias_constant_texels;    /* depth bias towards the light, in texels' widths */
+  double bias_slope_texels;       /* depth bias for each unit of the receiver's slope to the light, in texels' widths */
+  double bias_slope_max;          /* slope (tangent) at which that stops growing */
+  double bias_normal_texels;      /* offset of the receiver along its normal, in texels' widths */
+} csm_config;
+
+enum { CSM_FIELD_UINT = 0, CSM_FIELD_DOUBLE = 1, CSM_FIELD_ENUM = 2, CSM_FIELD_DOUBLES = 3 };
+
+/* One field of csm_config. Texts are static. */
+typedef struct csm_config_field {
+  uint32_t struct_size;
+  uint32_t type;         /* CSM_FIELD_*; DOUBLES is an array of `length` */
+  uint32_t offset;       /* in csm_config, in bytes */
+  uint32_t length;       /* 1, or an array's length */
+  double minimum;        /* inclusive */
+  double maximum;        /* inclusive */
+  double default_value;  /* for each element */
+  const char *name;      /* as in csm_config, and as the key in a JSON file */
+  const char *unit;      /* "m", "texels", "1" and so on; "" for an enumeration */
+  const char *about;     /* one sentence */
+  const char *const *values; /* ENUM: the name of each value from 0 on, then NULL; else NULL */
+} csm_config_field;
+
+/* Describes field `index`, from 0. Errors: NULL_POINTER, STRUCT_SIZE, INVALID_INDEX (past the last one). [any-thread] */
+CSM_API csm_result CSM_CALL csm_config_describe(uint32_t index, csm_config_field *field);
+
+/* Fills a configuration with the defaults. config->struct_size must be set. Errors: NULL_POINTER, STRUCT_SIZE. [any-thread] */
+CSM_API csm_result CSM_CALL csm_config_default(csm_config *config);
+
+/* ---- cascades ---- */
+
+/*
+ * Makes the cascades of one light seen from one camera, with their maps.
+ * Errors: NULL_POINTER, STRUCT_SIZE, NOT_FINITE, INVALID_VALUE (a field out of range, named in the text; manual splits
+ * that do not rise), LIMIT_EXCEEDED (resolution or memory), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE_LOST, DEVICE.
+ * *cascades is NULL after an error. [render-thread]
+ */
+CSM_API csm_result CSM_CALL csm_cascades_create(csm_context *context, const csm_config *config, csm_cascades **cascades);
+
+/* Changes the settings; maps are made anew only if their shape changes. Errors as csm_cascades_create. [render-thread] */
+CSM_API csm_result CSM_CALL csm_cascades_configure(csm_cascades *cascades, const csm_config *config);
+
+/* Frees the cascades once no frame in flight uses them; NULL is allowed. [render-thread] */
+CSM_API csm_result CSM_CALL csm_cascades_destroy(csm_cascades *cascades);
+
+/* ---- frames ---- */
+
+typedef struct csm_instance {
+  uint32_t struct_size;
+  uint32_t flags;       /* 0 */
+  csm_mesh mesh;
+  double transform[16]; /* object to world: affine, not singular */
+} csm_instance;
+
+/* What a draw callback gets for each cascade. Not in this version. */
+typedef struct csm_draw_info csm_draw_info;
+typedef void(CSM_CALL *csm_draw_function)(void *user, const csm_draw_info *info);
+
+enum {
+  CSM_FRAME_TIMESTAMPS = 1u << 0 /* measure the passes on the GPU; each pass then waits for the one before it */
+};
+
+typedef struct csm_frame {
+  uint32_t struct_size;
+  uint32_t flags;                  /* CSM_FRAME_* */
+  uint64_t frame;                  /* engine's device: the frame's number, for csm_retire; else 0 */
+  double view[16];                 /* world to view: a rotation and a translation, mirrored or not */
+  double projection[16];           /* view to clip */
+  double light_direction[3];       /* of travel; any length but 0 */
+  const csm_instance *instances;   /* casters and receivers; all of one struct_size; NULL if instance_count is 0 */
+  uint32_t instance_count;
+  uint32_t reserved;               /* 0 */
+  csm_draw_function draw;          /* must be NULL in this version */
+  void *draw_user;
+  void *command_buffer;            /* engine's device: its VkCommandBuffer or ID3D12GraphicsCommandList*; else NULL */
+} csm_frame;
+
+/*
+ * Plans the frame and draws every cascade's map. On an own device the work is submitted, and runs on after the return.
+ * Errors: NULL_POINTER, STRUCT_SIZE, NOT_FINITE, INVALID_VALUE (flags, command_buffer), INVALID_MATRIX (view or an
+ * instance's transform singular or not affine, projection singular), INVALID_CAMERA, INVALID_LIGHT, INVALID_HANDLE
+ * (an instance's mesh), UNSUPPORTED (draw), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, LIMIT_EXCEEDED, DEVICE_LOST, DEVICE.
+ * [render-thread]
+ */
+CSM_API csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame *frame);
+
+typedef struct csm_mask_info {
+  uint32_t struct_size;
+  uint32_t flags;           /* CSM_FRAME_* */
+  const csm_frame *frame;   /* the camera that sees the mask, its command buffer, and, without camera_depth, the
+                               instances that it sees; its light is not read */
+  uint32_t width, height;   /* of the mask, in pixels: 1 to 16384, and what the device can do */
+  const void *camera_depth; /* engine's device: its depth image; NULL draws the frame's instances. NULL in this version */
+  const void *normals;      /* engine's device: world-space normals; NULL takes them from the depth. NULL in this version */
+} csm_mask_info;
+
+/*
+ * Resolves a screen-space mask (1 lit, 0 shadowed; 1 where nothing is) from the maps that csm_render_cascades drew
+ * last, with the selection, filter and bias of the configuration.
+ * Errors: as csm_render_cascades, and INVALID_STATE (no maps have been drawn with this configuration yet).
+ * [render-thread]
+ */
+CSM_API csm_result CSM_CALL csm_resolve_mask(csm_cascades *cascades, const csm_mask_info *info);
+
+typedef struct csm_cascade_info {
+  double near_depth;          /* view depth where the slice begins, in metres */
+  double far_depth;           /* and ends */
+  double texel_size;          /* in metres */
+  double depth_range;         /* metres along the light from depth 0 to depth 1 */
+  double world_to_shadow[16]; /* world to texture coordinates and depth */
+} csm_cascade_info;
+
+typedef struct csm_binding {
+  uint32_t struct_size;
+  uint32_t cascade_count;
+  uint32_t resolution;        /* texels a side */
+  uint32_t constants_size;    /* bytes used in constants */
+  double origin[3];           /* world position that the constants are relative to */
+  csm_cascade_info cascades[CSM_MAX_CASCADES];
+  float constants[256];       /* the block of shaders/include/csm_constants.h */
+  uint64_t native_maps;       /* VkImage, or ID3D12Resource*: the array of maps, readable by shaders */
+  uint64_t native_mask;       /* likewise, the mask; 0 before the first csm_resolve_mask */
+} csm_binding;
+
+/*
+ * Fills in what an engine's shaders need for the maps that were drawn last; records nothing.
+ * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_STATE (no maps yet), DEVICE_LOST. [render-thread]
+ */
+CSM_API csm_result CSM_CALL csm_bind(csm_cascades *cascades, csm_binding *binding);
+
+enum { CSM_READ_MAP = 0, CSM_READ_MASK = 1, CSM_READ_CAMERA_DEPTH = 2 };
+
+typedef struct csm_read_info {
+  uint32_t struct_size;
+  uint32_t source;   /* CSM_READ_* */
+  uint32_t cascade;  /* CSM_READ_MAP: which */
+  uint32_t reserved; /* 0 */
+  float *data;       /* receives one float a texel, top row first, without gaps */
+  uint64_t size;     /* bytes at data; exactly width * height * 4 */
+} csm_read_info;
+
+/*
+ * Reads a map (raw depth), the mask (visibility) or the camera depth that was drawn for it into memory. Waits for the
+ * own device; for tests and tools.
+ * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (source, size), INVALID_INDEX (cascade), INVALID_STATE (nothing to
+ * read yet), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE_LOST, UNSUPPORTED (an engine's device). [render-thread]
+ */
+CSM_API csm_result CSM_CALL csm_read(csm_cascades *cascades, const csm_read_info *info);
+
+typedef struct csm_cascade_stats {
+  uint32_t casters_drawn;
+  uint32_t casters_culled;
+  uint64_t triangles_drawn;
+  double gpu_ms; /* of the last frame with CSM_FRAME_TIMESTAMPS; negative if there was none */
+} csm_cascade_stats;
+
+typedef struct csm_stats {
+  uint32_t struct_size;
+  uint32_t cascade_count;
+  uint64_t plan_hash;        /* of everything the last frame's plan holds: equal on every backend */
+  double plan_ms;            /* planning and culling of the last csm_render_cascades, on the CPU */
+  double record_ms;          /* recording it, submission included on an own device */
+  double camera_depth_gpu_ms, mask_gpu_ms; /* as csm_cascade_stats.gpu_ms */
+  csm_cascade_stats cascades[CSM_MAX_CASCADES];
+  uint64_t map_bytes;        /* device memory of these cascades' maps */
+  uint64_t mask_bytes;       /* of their mask and camera depth */
+  uint64_t geometry_bytes;   /* of the context's meshes */
+  uint64_t frame_bytes;      /* of the context's memory that changes per frame */
+} csm_stats;
+
+/*
+ * Counts and times of the last csm_render_cascades and csm_resolve_mask. With timestamps it waits for the own device.
+ * Errors: NULL_POINTER, STRUCT_SIZE, DEVICE_LOST. [render-thread]
+ */
+CSM_API csm_result CSM_CALL csm_get_stats(csm_cascades *cascades, csm_stats *stats);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

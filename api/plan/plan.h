@@ -1,0 +1,127 @@
+/*
+ * plan.h: what a frame of cascades needs, computed in doubles from what the engine says. Pure: no GPU, no I/O, no
+ * globals, no allocation. The same plan, byte for byte, serves every backend.
+ *
+ * A plan is made in two steps: plan_frame_make computes the cascades and which instances each one draws, into memory
+ * of the caller's; plan_write_* then write the floats that shaders read, wherever the caller wants them.
+ */
+#ifndef PLAN_H
+#define PLAN_H
+
+#include "csm/csm.h"
+#include <stdbool.h>
+
+/* ---- matrices: column-major doubles, element [column * 4 + row] ---- */
+void plan_multiply(double out[16], const double a[16], const double b[16]); /* out may not alias */
+bool plan_invert(double out[16], const double m[16]);                       /* false: singular; any scale is fine */
+bool plan_finite(const double *values, uint32_t count);
+/* CSM_SUCCESS, NOT_FINITE, or INVALID_MATRIX: the last row is not 0 0 0 1, or the columns are dependent. */
+csm_result plan_check_affine(const double m[16]);
+
+/* ---- camera ---- */
+typedef struct plan_camera {
+  double view[16], projection[16];
+  double position[3];      /* world: the view's origin, whatever the projection */
+  double forward[3];       /* world: unit, the way it looks */
+  double near_depth;       /* view depth (distance along forward) of the near plane */
+  double far_depth;        /* INFINITY for an infinite far plane */
+  bool reversed;           /* clip z is 1 at the near plane */
+  bool orthographic;
+} plan_camera;
+/*
+ * CSM_SUCCESS; NOT_FINITE; INVALID_MATRIX (view not affine or not rigid up to a mirroring, projection singular);
+ * INVALID_CAMERA (near >= far, no usable near plane, a projection that is neither perspective nor orthographic along
+ * view z). `error` gets a sentence.
+ */
+csm_result plan_camera_make(plan_camera *out, const double view[16], const double projection[16], const char **error);
+
+/* ---- light ---- */
+/* Rows right, up, along: orthonormal to 1e-15, for every direction; `along` is the normalised direction of travel. */
+csm_result plan_light_basis(double basis[9], const double direction[3], const char **error);
+
+/* ---- configuration ---- */
+/* CSM_SUCCESS, NOT_FINITE or INVALID_VALUE; `error` names the field. Only ranges: not what a device can do. */
+csm_result plan_config_check(const csm_config *config, const char **error);
+/* Describes field `index` of csm_config; NULL past the last one. */
+const csm_config_field *plan_config_field(uint32_t index);
+void plan_config_default(csm_config *config);
+/* Texels around a sample that the configured filter may read. */
+uint32_t plan_filter_radius_texels(const csm_config *config);
+
+/* ---- a frame ---- */
+typedef struct plan_bounds { /* of a mesh, in object space */
+  double center[3], extent[3];
+} plan_bounds;
+
+typedef struct plan_instance {
+  double transform[12]; /* object to world: three rows of four */
+  uint32_t mesh;        /* index into the meshes' bounds */
+  uint32_t reserved;
+} plan_instance;
+
+typedef struct plan_scene {
+  const plan_instance *instances;
+  uint32_t instance_count;
+  const plan_bounds *meshes;
+  uint32_t mesh_count;
+} plan_scene;
+
+/* One draw call: instances of one mesh, whose matrices lie one after the other. */
+typedef struct plan_draw {
+  uint32_t mesh;
+  uint32_t first; /* index into the list's matrices */
+  uint32_t count;
+} plan_draw;
+
+/* What one cascade, or the camera, draws. */
+typedef struct plan_list {
+  uint32_t *instances; /* visible, ordered by mesh, then by index */
+  plan_draw *draws;
+  uint32_t instance_count, draw_count;
+  uint32_t culled;
+} plan_list;
+
+typedef struct plan_cascade {
+  csm_cascade_info info;
+  double to_clip[12]; /* light space (right, up, along, relative to the world's origin) to clip: three rows of four */
+  plan_list list;
+} plan_cascade;
+
+typedef struct plan_frame {
+  plan_camera camera;
+  double basis[9];
+  uint32_t cascade_count;
+  plan_cascade cascades[CSM_MAX_CASCADES];
+} plan_frame;
+
+/* Bytes of memory, aligned to 16, that a plan of so many instances, meshes and cascades (0 for a camera's) needs. */
+size_t plan_memory_size(uint32_t instance_count, uint32_t mesh_count, uint32_t cascade_count);
+
+/*
+ * Plans the cascades. Preconditions: the configuration is checked, every instance's mesh is below mesh_count, every
+ * transform is affine and finite. `memory` holds the lists as long as `out` is used.
+ * Errors: those of plan_camera_make and plan_light_basis, and INVALID_CAMERA (the near plane is at or beyond the
+ * shadow distance; numbers too large to plan with).
+ */
+csm_result plan_frame_make(plan_frame *out, const csm_config *config, const double view[16],
+                           const double projection[16], const double light[3], const plan_scene *scene, void *memory,
+                           const char **error);
+
+/* What a camera sees of the scene, for a depth pre-pass. */
+void plan_view_make(plan_list *out, const plan_camera *camera, const plan_scene *scene, void *memory);
+
+/* Object to clip of every instance in the list: three float4 rows each (12 floats); w is 1. */
+void plan_write_cascade_matrices(float *out, const plan_frame *frame, uint32_t cascade, const plan_scene *scene);
+/* Object to clip: four float4 rows each (16 floats). */
+void plan_write_view_matrices(float *out, const plan_list *list, const plan_camera *camera, const plan_scene *scene);
+
+/* The block that shaders/include/csm_constants.h lays out, relative to frame->camera.position. Returns its bytes. */
+uint32_t plan_write_constants(float *out, const plan_frame *frame, const csm_config *config);
+/* The block of the mask pass: how `camera`'s clip space maps to world positions relative to frame->camera.position. */
+uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_camera *camera, uint32_t width,
+                                   uint32_t height);
+
+/* FNV-1a over everything the plan holds that reaches a backend: cascades, lists and matrices. */
+uint64_t plan_hash(const plan_frame *frame, const csm_config *config, const plan_scene *scene);
+
+#endif

@@ -1,0 +1,251 @@
+/*
+ * gpu.h: a small GPU. What a backend is, seen from the front: a driver that makes objects and records commands, and
+ * knows nothing of shadows.
+ *
+ * The front checks everything before it calls; a backend may take its arguments for sound, and fails only for what the
+ * device does. All reservation is done by create functions; recording functions cannot fail, and a lost device is
+ * reported by `end` and `wait`.
+ *
+ * Conventions: clip z in [0,1], clip y up, texel row 0 at clip y = +1 (Vulkan: a viewport of negative height with
+ * y = top + height). Front faces are counter-clockwise seen with clip y up. Depth outside [0,1] is clamped, not
+ * clipped. Shaders see HLSL registers: b# constants, t# textures, s# samplers,
+ * vertex inputs ATTRIBUTE0, ATTRIBUTE1 ... in order of location.
+ *
+ * A backend tracks each image's and buffer's state while it records, in recording order, and puts barriers where the
+ * next use needs them. Every image that was written in a recording rests readable by shaders when `end` returns, if it
+ * has GPU_IMAGE_SAMPLED.
+ */
+#ifndef GPU_H
+#define GPU_H
+
+#include "csm/csm_base.h"
+#include <stdbool.h>
+
+/* ---- objects: each backend defines its own ---- */
+typedef struct gpu_device gpu_device;
+typedef struct gpu_buffer gpu_buffer;
+typedef struct gpu_image gpu_image;
+typedef struct gpu_program gpu_program;
+typedef struct gpu_bindings gpu_bindings;
+typedef struct gpu_target gpu_target;
+
+/* ---- descriptions ---- */
+
+/* What the front lends a device for its lifetime. */
+typedef struct gpu_host {
+  void *user;
+  csm_allocate_function allocate; /* never NULL; memory is not zeroed */
+  csm_release_function release;
+  csm_log_function log;           /* never NULL */
+} gpu_host;
+
+typedef struct gpu_device_info {
+  uint32_t type; /* CSM_DEVICE_* of csm.h */
+  uint32_t max_image_size;
+  uint32_t max_image_layers;
+  uint64_t max_buffer_size;
+  uint64_t max_allocation_size; /* the most bytes that one image or buffer may take */
+  uint64_t memory_size;         /* of the heap that images live in */
+  char name[256];
+  char driver[256];
+  const char *required; /* what an engine must enable on its own device */
+  const char *optional;
+} gpu_device_info;
+
+typedef struct gpu_open_info {
+  const gpu_host *host;
+  const char *device_name; /* part of a name, or NULL for the best: discrete, integrated, virtual, CPU */
+  bool validate;           /* turn the driver stack's validation on; messages go to host->log as errors or warnings */
+  uint32_t slots;          /* recordings in flight, 1 to 8 */
+  const void *native;      /* the engine's device (csm_vulkan_device, csm_d3d12_device), or NULL to open an own one */
+  char *error;             /* receives a text when opening fails */
+  size_t error_size;
+} gpu_open_info;
+
+typedef enum gpu_format {
+  GPU_FORMAT_NONE,
+  GPU_FORMAT_D32_FLOAT,
+  GPU_FORMAT_R8_UNORM,
+  GPU_FORMAT_RG32_FLOAT, /* vertex attributes */
+  GPU_FORMAT_RGB32_FLOAT,
+  GPU_FORMAT_RGBA32_FLOAT
+} gpu_format;
+
+typedef enum gpu_buffer_kind {
+  GPU_BUFFER_DEVICE,  /* vertices and indices; written by copy_buffer */
+  GPU_BUFFER_UPLOAD,  /* mapped for writing: copy source, vertices, constants (256-byte aligned offsets) */
+  GPU_BUFFER_READBACK /* mapped for reading: copy destination */
+} gpu_buffer_kind;
+
+typedef struct gpu_buffer_info {
+  const char *name;
+  gpu_buffer_kind kind;
+  uint64_t size;
+} gpu_buffer_info;
+
+enum { GPU_IMAGE_TARGET = 1u << 0, GPU_IMAGE_SAMPLED = 1u << 1, GPU_IMAGE_COPY_SOURCE = 1u << 2 };
+
+typedef struct gpu_image_info {
+  const char *name;
+  gpu_format format;
+  uint32_t usage; /* GPU_IMAGE_* */
+  uint32_t width, height, layers;
+  bool array; /* shaders see it as an array, even with one layer */
+} gpu_image_info;
+
+/* What draws go into: one layer of a depth image, or one of a colour image, or both. */
+typedef struct gpu_target_info {
+  const char *name;
+  gpu_image *depth; /* may be NULL */
+  uint32_t depth_layer;
+  gpu_image *color; /* may be NULL */
+  uint32_t color_layer;
+} gpu_target_info;
+
+typedef struct gpu_code {
+  const void *spirv;
+  size_t spirv_size;
+  const void *dxbc;
+  size_t dxbc_size;
+} gpu_code;
+
+typedef struct gpu_stream {
+  uint32_t stride;
+  bool per_instance;
+} gpu_stream;
+
+typedef struct gpu_attribute {
+  gpu_format format;
+  uint32_t stream;
+  uint32_t offset;
+} gpu_attribute;
+
+typedef enum gpu_sampler {
+  GPU_SAMPLER_POINT_CLAMP,
+  GPU_SAMPLER_LINEAR_CLAMP,
+  GPU_SAMPLER_COMPARE_LESS_EQUAL /* linear, clamped; 1 where reference <= texel */
+} gpu_sampler;
+
+typedef enum gpu_cull { GPU_CULL_NONE, GPU_CULL_BACK, GPU_CULL_FRONT } gpu_cull;
+
+typedef enum gpu_compare { GPU_COMPARE_NONE, GPU_COMPARE_LESS, GPU_COMPARE_GREATER } gpu_compare; /* NONE: no depth test */
+
+#define GPU_MAX_STREAMS 2
+#define GPU_MAX_ATTRIBUTES 8
+#define GPU_MAX_CONSTANTS 2
+#define GPU_MAX_TEXTURES 4
+#define GPU_MAX_SAMPLERS 4
+
+typedef struct gpu_program_info {
+  const char *name;
+  gpu_code vertex;
+  gpu_code pixel; /* spirv_size 0: none */
+  uint32_t stream_count;
+  gpu_stream streams[GPU_MAX_STREAMS];
+  uint32_t attribute_count;
+  gpu_attribute attributes[GPU_MAX_ATTRIBUTES];
+  uint32_t constants_count;                       /* b0..: each at a dynamic offset of an upload buffer */
+  uint32_t constants_sizes[GPU_MAX_CONSTANTS];    /* bytes visible at each */
+  uint32_t texture_count;                         /* t0.. */
+  uint32_t sampler_count;                         /* s0.. */
+  gpu_sampler samplers[GPU_MAX_SAMPLERS];
+  gpu_format depth_format; /* NONE: no depth target */
+  gpu_format color_format; /* NONE: no colour target */
+  gpu_compare depth_compare; /* writes depth unless NONE */
+  gpu_cull cull;
+} gpu_program_info;
+
+/* What a program reads: constants from one upload buffer each, and textures. */
+typedef struct gpu_bindings_info {
+  const char *name;
+  const gpu_program *program;
+  gpu_buffer *constants[GPU_MAX_CONSTANTS];
+  gpu_image *textures[GPU_MAX_TEXTURES];
+} gpu_bindings_info;
+
+typedef struct gpu_draw {
+  gpu_buffer *streams[GPU_MAX_STREAMS]; /* may be NULL beyond the program's stream_count */
+  uint64_t stream_offsets[GPU_MAX_STREAMS];
+  gpu_buffer *indices; /* NULL: not indexed, count is vertices */
+  uint64_t index_offset;
+  uint32_t index_size; /* 2 or 4 */
+  uint32_t count;
+  uint32_t instance_count; /* the first instance is always 0: move the stream's offset instead */
+} gpu_draw;
+
+#define GPU_MAX_TIMESTAMPS 64
+
+/* ---- the table ---- */
+
+#define GPU_INTERFACE_VERSION 1u
+
+typedef struct gpu_backend {
+  const char *name; /* "vulkan" */
+
+  /* Describes the device that `open` would take. Errors: NO_DEVICE, DEVICE, OUT_OF_MEMORY. */
+  csm_result (*query)(const gpu_open_info *info, gpu_device_info *out);
+  /* Errors: NO_DEVICE, UNSUPPORTED, DEVICE, OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY; info->error gets a text. */
+  csm_result (*open)(const gpu_open_info *info, gpu_device **out);
+  /* Waits for an own device; every object must have been destroyed. */
+  void (*close)(gpu_device *device);
+  void (*describe)(const gpu_device *device, gpu_device_info *out);
+
+  /* Creation. Errors: OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE_LOST, DEVICE; *out is NULL then. Destruction takes
+     NULL, and is called only when no recording in flight uses the object. */
+  csm_result (*buffer_create)(gpu_device *device, const gpu_buffer_info *info, gpu_buffer **out);
+  void (*buffer_destroy)(gpu_device *device, gpu_buffer *buffer);
+  void *(*buffer_memory)(gpu_buffer *buffer); /* where an upload or readback buffer is mapped, for its lifetime */
+  csm_result (*image_create)(gpu_device *device, const gpu_image_info *info, gpu_image **out);
+  void (*image_destroy)(gpu_device *device, gpu_image *image);
+  uint64_t (*image_bytes)(const gpu_image *image); /* device memory that it takes */
+  uint64_t (*image_native)(const gpu_image *image); /* VkImage, ID3D12Resource* */
+  csm_result (*target_create)(gpu_device *device, const gpu_target_info *info, gpu_target **out);
+  void (*target_destroy)(gpu_device *device, gpu_target *target);
+  csm_result (*program_create)(gpu_device *device, const gpu_program_info *info, gpu_program **out);
+  void (*program_destroy)(gpu_device *device, gpu_program *program);
+  csm_result (*bindings_create)(gpu_device *device, const gpu_bindings_info *info, gpu_bindings **out);
+  void (*bindings_destroy)(gpu_device *device, gpu_bindings *bindings);
+
+  /* Recording. `begin` waits until slot's earlier recording is done; `native` is the engine's command buffer, or NULL.
+     Errors of begin: DEVICE_LOST, DEVICE, OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY. */
+  csm_result (*begin)(gpu_device *device, uint32_t slot, void *native);
+  void (*marker_begin)(gpu_device *device, const char *name);
+  void (*marker_end)(gpu_device *device);
+  void (*timestamp)(gpu_device *device, uint32_t index); /* below GPU_MAX_TIMESTAMPS, each once a recording */
+  void (*copy_buffer)(gpu_device *device, gpu_buffer *to, uint64_t to_offset, gpu_buffer *from, uint64_t from_offset,
+                      uint64_t size);
+  /* One layer to a readback buffer: row r begins at offset + r * row_bytes, row_bytes a multiple of 256. */
+  void (*copy_image)(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *from,
+                     uint32_t layer);
+  /* Every layer of a depth image, the cheapest way that the API offers. */
+  void (*clear_depth)(gpu_device *device, gpu_image *image, float depth);
+  /* Begins a render pass over the whole target; what it holds is kept, but colour is undefined until drawn. */
+  void (*pass_begin)(gpu_device *device, gpu_target *target);
+  void (*pass_end)(gpu_device *device);
+  void (*pass_program)(gpu_device *device, gpu_program *program);
+  /* `offsets`: one for each of the program's constants, a multiple of 256. Textures must have been drawn before. */
+  void (*pass_bind)(gpu_device *device, gpu_bindings *bindings, const uint32_t *offsets);
+  void (*pass_draw)(gpu_device *device, const gpu_draw *draw);
+  /* Makes an image readable by shaders in the passes that follow; outside a pass. */
+  void (*make_readable)(gpu_device *device, gpu_image *image);
+  /* Ends the recording, and submits it on an own device. Errors: DEVICE_LOST, DEVICE, OUT_OF_MEMORY. */
+  csm_result (*end)(gpu_device *device);
+  /* Waits for the slot's last recording; own device. Errors: DEVICE_LOST. */
+  csm_result (*wait)(gpu_device *device, uint32_t slot);
+  /* Reads timestamps 0 to count - 1 of the slot's last finished recording, in nanoseconds. Errors: DEVICE_LOST. */
+  csm_result (*timestamps)(gpu_device *device, uint32_t slot, uint32_t count, uint64_t *nanoseconds);
+} gpu_backend;
+
+/*
+ * The one symbol that a backend's library exports. The front says which interface versions it speaks; the backend
+ * writes its own range always, and the table for the newest common one, or NULL if there is none.
+ */
+#define GPU_HANDSHAKE_SYMBOL "csm_backend_handshake"
+typedef struct gpu_handshake {
+  uint32_t front_oldest, front_newest;     /* in */
+  uint32_t backend_oldest, backend_newest; /* out */
+  const gpu_backend *backend;              /* out */
+} gpu_handshake;
+typedef void (*gpu_handshake_function)(gpu_handshake *handshake);
+
+#endif

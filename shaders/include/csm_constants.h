@@ -1,0 +1,26 @@
+/*
+ * csm_constants.h: the constants that shaders sample the cascades with, laid out once. All are float4, so that every
+ * compiler and C agree on the offsets. Positions are world positions relative to csm_binding.origin.
+ */
+#ifndef CSM_CONSTANTS_H
+#define CSM_CONSTANTS_H
+
+#define CSM_CONSTANTS_CASCADES 8
+
+/* Index of each float4 */
+#define CSM_C_PARAMS 0      /* cascade count, texels a side, 1 / texels a side, unused */
+#define CSM_C_LIGHT 1       /* unit direction to the light, unused */
+#define CSM_C_DEPTH 2       /* view depth of a relative position p: dot(p, xyz) + w */
+#define CSM_C_BIAS 3        /* constant, slope, slope max, normal offset: as configured, in texels */
+#define CSM_C_SPLITS 4      /* two: where cascades 0..3 and 4..7 end, as view depth; the last one repeated */
+#define CSM_C_TEXELS 6      /* eight: texel size in metres, depth per metre along the light, unused, unused */
+#define CSM_C_MATRICES 14   /* eight times three rows: relative position to u, v, depth */
+#define CSM_C_COUNT 38
+
+/* The mask pass's own block */
+#define CSM_M_INVERSE 0     /* four rows: clip (x, y, z, 1) to relative position times w */
+#define CSM_M_SIZE 4        /* width, height, 1 / width, 1 / height */
+#define CSM_M_CLEAR 5       /* depth of a pixel without a surface, unused */
+#define CSM_M_COUNT 6
+
+#endif
