@@ -8,14 +8,15 @@
 #define CSM_CONSTANTS_CASCADES 8
 
 /* Index of each float4 */
-#define CSM_C_PARAMS 0      /* cascade count, texels a side, 1 / texels a side, unused */
-#define CSM_C_LIGHT 1       /* unit direction to the light, unused */
-#define CSM_C_DEPTH 2       /* view depth of a relative position p: dot(p, xyz) + w */
-#define CSM_C_BIAS 3        /* constant, slope, slope max, normal offset: as configured, in texels */
-#define CSM_C_SPLITS 4      /* two: where cascades 0..3 and 4..7 end, as view depth; the last one repeated */
-#define CSM_C_TEXELS 6      /* eight: texel size in metres, depth per metre along the light, unused, unused */
-#define CSM_C_MATRICES 14   /* eight times three rows: relative position to u, v, depth */
-#define CSM_C_COUNT 38
+#define CSM_C_PARAMS 0   /* cascade count, texels a side, 1 / texels a side, view depth where shadows end */
+#define CSM_C_DEPTH 1    /* view depth of a relative position p: dot(p, xyz) + w */
+#define CSM_C_BASIS 2    /* three: unit vectors right, up and along the light (its direction of travel); w unused */
+#define CSM_C_BIAS 5     /* constant, slope, slope max, normal offset: as configured, in texels */
+#define CSM_C_SPLITS 6   /* two: where cascades 0..3 and 4..7 end, as view depth; unused ones repeat the last */
+#define CSM_C_TEXELS 8   /* eight: texel size in metres, depth per metre along the light, the filter's reach in metres
+                            (farthest texel centre from the sample along one axis), unused */
+#define CSM_C_MATRICES 16 /* eight times three rows: relative position to u, v, depth */
+#define CSM_C_COUNT 40
 
 /* The mask pass's own block */
 #define CSM_M_INVERSE 0     /* four rows: clip (x, y, z, 1) to relative position times w */
