@@ -325,7 +325,7 @@ typedef struct csm_stats {
   uint64_t plan_hash;        /* of everything the last frame's plan holds: equal on every backend */
   double plan_ms;            /* planning and culling of the last csm_render_cascades, on the CPU */
   double record_ms;          /* recording it, submission included on an own device */
-  double camera_depth_gpu_ms, mask_gpu_ms; /* as csm_cascade_stats.gpu_ms */
+  double clear_gpu_ms, camera_depth_gpu_ms, mask_gpu_ms; /* as csm_cascade_stats.gpu_ms */
   csm_cascade_stats cascades[CSM_MAX_CASCADES];
   uint64_t map_bytes;        /* device memory of these cascades' maps */
   uint64_t mask_bytes;       /* of their mask and camera depth */
@@ -334,7 +334,7 @@ typedef struct csm_stats {
 } csm_stats;
 
 /*
- * Counts and times of the last csm_render_cascades and csm_resolve_mask. With timestamps it waits for the own device.
+ * Counts and times of the last csm_render_cascades and csm_resolve_mask. Waits for the own device.
  * Errors: NULL_POINTER, STRUCT_SIZE, DEVICE_LOST. [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_get_stats(csm_cascades *cascades, csm_stats *stats);

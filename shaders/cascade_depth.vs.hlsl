@@ -1,0 +1,8 @@
+// Draws casters into one cascade's map: object space straight to the light's clip space, by the three rows of each
+// instance. One mad chain with the constant innermost, which every compiler keeps, so that all backends rasterise alike.
+float4 main(float3 p : ATTRIBUTE0, float4 x : ATTRIBUTE1, float4 y : ATTRIBUTE2, float4 z : ATTRIBUTE3) : SV_Position
+{
+    return float4(mad(p.x, x.x, mad(p.y, x.y, mad(p.z, x.z, x.w))),
+                  mad(p.x, y.x, mad(p.y, y.y, mad(p.z, y.z, y.w))),
+                  mad(p.x, z.x, mad(p.y, z.y, mad(p.z, z.z, z.w))), 1.0);
+}

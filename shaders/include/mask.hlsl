@@ -1,0 +1,70 @@
+// The mask: visibility of every pixel of a camera's depth image.
+#include "include/csm_constants.h"
+
+cbuffer cascades_block : register(b0)
+{
+    float4 csm_c[CSM_C_COUNT];
+};
+cbuffer mask_block : register(b1)
+{
+    float4 mask_c[CSM_M_COUNT];
+};
+Texture2DArray<float> csm_maps : register(t0);
+Texture2D<float> camera_depth : register(t1);
+SamplerComparisonState csm_compare : register(s0);
+
+#include "include/csm_sample.hlsl"
+
+float load_depth(int2 pixel)
+{
+    int2 last = int2((int)mask_c[CSM_M_SIZE].x - 1, (int)mask_c[CSM_M_SIZE].y - 1);
+    return camera_depth.Load(int3(clamp(pixel, int2(0, 0), last), 0));
+}
+
+float row_value(uint row, float2 ndc, float depth)
+{
+    float4 c = mask_c[CSM_M_INVERSE + row];
+    return mad(ndc.x, c.x, mad(ndc.y, c.y, mad(depth, c.z, c.w)));
+}
+
+// World position of a pixel's centre, relative to the constants' origin.
+float3 pixel_position(float2 pixel, float depth)
+{
+    float2 ndc = float2(mad(pixel.x + 0.5, mask_c[CSM_M_SIZE].z * 2.0, -1.0),
+                        mad(pixel.y + 0.5, mask_c[CSM_M_SIZE].w * -2.0, 1.0));
+    float w = row_value(3, ndc, depth);
+    return float3(row_value(0, ndc, depth) / w, row_value(1, ndc, depth) / w, row_value(2, ndc, depth) / w);
+}
+
+// How the position changes across one pixel along an axis, taken on the side where the depth goes on straight: depth in
+// clip space is linear across a plane on screen, so the side whose outer neighbour extrapolates best is the same plane.
+float3 tangent(int2 pixel, int2 axis, float3 position, float depth)
+{
+    float before = load_depth(pixel - axis);
+    float after = load_depth(pixel + axis);
+    float before_error = abs(mad(2.0, before, -load_depth(pixel - axis - axis)) - depth);
+    float after_error = abs(mad(2.0, after, -load_depth(pixel + axis + axis)) - depth);
+    if (before_error < after_error)
+        return position - pixel_position(float2(pixel - axis), before);
+    return pixel_position(float2(pixel + axis), after) - position;
+}
+
+float3 unit_cross(float3 a, float3 b)
+{
+    float3 n = float3(mad(a.y, b.z, -(a.z * b.y)), mad(a.z, b.x, -(a.x * b.z)), mad(a.x, b.y, -(a.y * b.x)));
+    float square = csm_dot(n, n);
+    return square > 0.0 ? n * rsqrt(square) : -csm_c[CSM_C_BASIS + 2].xyz;
+}
+
+float main(float4 screen : SV_Position) : SV_Target
+{
+    int2 pixel = int2(screen.xy);
+    float depth = load_depth(pixel);
+    if (depth == mask_c[CSM_M_CLEAR].x)
+        return 1.0;
+    float3 position = pixel_position(float2(pixel), depth);
+    float3 right = tangent(pixel, int2(1, 0), position, depth);
+    float3 down = tangent(pixel, int2(0, 1), position, depth);
+    float3 normal = unit_cross(down, right) * mask_c[CSM_M_CLEAR].y;
+    return csm_visibility(position, normal, csm_view_depth(position));
+}
