@@ -8,7 +8,7 @@
  *
  * Conventions: clip z in [0,1], clip y up, texel row 0 at clip y = +1 (Vulkan: a viewport of negative height with
  * y = top + height). Front faces are counter-clockwise seen with clip y up. Depth outside [0,1] is clamped, not
- * clipped. Shaders see HLSL registers: b# constants, t# textures, s# samplers,
+ * clipped, unless a program asks for it. Shaders see HLSL registers: b# constants, t# textures, s# samplers,
  * vertex inputs ATTRIBUTE0, ATTRIBUTE1 ... in order of location.
  *
  * A backend tracks each image's and buffer's state while it records, in recording order, and puts barriers where the
@@ -152,6 +152,7 @@ typedef struct gpu_program_info {
   gpu_format depth_format; /* NONE: no depth target */
   gpu_format color_format; /* NONE: no colour target */
   gpu_compare depth_compare; /* writes depth unless NONE */
+  bool depth_clip;           /* clip at depth 0 and 1 instead of clamping */
   gpu_cull cull;
 } gpu_program_info;
 
