@@ -1,0 +1,424 @@
+/*
+ * The null backend: draws nothing, and writes a line to the host's log for every command, at CSM_LOG_TRACE, so that
+ * tests read what a frame records. Buffers are real memory. A breach of gpu.h's rules is logged at CSM_LOG_ERROR.
+ */
+#include "gpu.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { NAME_SIZE = 64, OFFSET_ALIGNMENT = 256 };
+
+struct gpu_device {
+  gpu_host host;
+  const gpu_program *program; /* of the pass that is open */
+  bool recording, in_pass, bound;
+};
+
+struct gpu_buffer {
+  char name[NAME_SIZE];
+  gpu_buffer_kind kind;
+  uint64_t size;
+  uint8_t *memory;
+};
+
+struct gpu_image {
+  char name[NAME_SIZE];
+  gpu_image_info info;
+};
+
+struct gpu_target {
+  char name[NAME_SIZE];
+};
+
+struct gpu_program {
+  char name[NAME_SIZE];
+  gpu_program_info info;
+};
+
+struct gpu_bindings {
+  char name[NAME_SIZE];
+  gpu_bindings_info info;
+};
+
+/* ---- helpers ---- */
+
+static void record(gpu_device *device, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void record(gpu_device *device, const char *format, ...) {
+  char line[256];
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(line, sizeof line, format, arguments);
+  va_end(arguments);
+  device->host.log(device->host.user, CSM_LOG_TRACE, line);
+}
+
+static void require(gpu_device *device, bool kept, const char *rule) {
+  if (!kept)
+    device->host.log(device->host.user, CSM_LOG_ERROR, rule);
+}
+
+static void *make(gpu_device *device, size_t size) {
+  void *memory = device->host.allocate(device->host.user, size, 64);
+  if (memory)
+    memset(memory, 0, size);
+  return memory;
+}
+
+static void release(gpu_device *device, void *object) {
+  if (object)
+    device->host.release(device->host.user, object);
+}
+
+static void set_name(char to[NAME_SIZE], const char *name) {
+  snprintf(to, NAME_SIZE, "%s", name ? name : "");
+}
+
+static uint32_t texel_bytes(gpu_format format) {
+  switch (format) {
+  case GPU_FORMAT_NONE:
+    return 0;
+  case GPU_FORMAT_R8_UNORM:
+    return 1;
+  case GPU_FORMAT_D32_FLOAT:
+    return 4;
+  case GPU_FORMAT_RG32_FLOAT:
+    return 8;
+  case GPU_FORMAT_RGB32_FLOAT:
+    return 12;
+  case GPU_FORMAT_RGBA32_FLOAT:
+    return 16;
+  }
+  return 0;
+}
+
+static bool holds(const gpu_buffer *buffer, uint64_t offset, uint64_t size) {
+  return buffer && offset <= buffer->size && size <= buffer->size - offset;
+}
+
+/* ---- device ---- */
+
+static void null_describe(const gpu_device *device, gpu_device_info *out) {
+  (void)device;
+  *out = (gpu_device_info){.max_image_size = 16384,
+                           .max_image_layers = 2048,
+                           .max_buffer_size = 1ull << 32,
+                           .max_allocation_size = 1ull << 32,
+                           .memory_size = 1ull << 32,
+                           .name = "null",
+                           .driver = "null",
+                           .required = "",
+                           .optional = ""};
+}
+
+static csm_result null_query(const gpu_open_info *info, gpu_device_info *out) {
+  (void)info;
+  null_describe(NULL, out);
+  return CSM_SUCCESS;
+}
+
+static csm_result null_open(const gpu_open_info *info, gpu_device **out) {
+  *out = NULL;
+  const char *refusal = NULL;
+  if (info->native)
+    refusal = "the null backend opens no engine's device";
+  else if (info->device_name && !strstr("null", info->device_name))
+    refusal = "the null backend has one device, named null";
+  if (refusal) {
+    if (info->error)
+      snprintf(info->error, info->error_size, "%s", refusal);
+    return info->native ? CSM_ERROR_UNSUPPORTED : CSM_ERROR_NO_DEVICE;
+  }
+  gpu_device *device = info->host->allocate(info->host->user, sizeof *device, 64);
+  if (!device)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  *device = (gpu_device){.host = *info->host};
+  *out = device;
+  return CSM_SUCCESS;
+}
+
+static void null_close(gpu_device *device) {
+  const gpu_host host = device->host;
+  host.release(host.user, device);
+}
+
+/* ---- objects ---- */
+
+static csm_result null_buffer_create(gpu_device *device, const gpu_buffer_info *info, gpu_buffer **out) {
+  *out = NULL;
+  gpu_buffer *buffer = make(device, sizeof *buffer);
+  if (!buffer)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  set_name(buffer->name, info->name);
+  buffer->kind = info->kind;
+  buffer->size = info->size;
+  buffer->memory = make(device, info->size);
+  if (!buffer->memory) {
+    release(device, buffer);
+    return CSM_ERROR_OUT_OF_DEVICE_MEMORY;
+  }
+  *out = buffer;
+  return CSM_SUCCESS;
+}
+
+static void null_buffer_destroy(gpu_device *device, gpu_buffer *buffer) {
+  if (buffer)
+    release(device, buffer->memory);
+  release(device, buffer);
+}
+
+static void *null_buffer_memory(gpu_buffer *buffer) {
+  return buffer->kind == GPU_BUFFER_DEVICE ? NULL : buffer->memory;
+}
+
+static csm_result null_image_create(gpu_device *device, const gpu_image_info *info, gpu_image **out) {
+  gpu_image *image = *out = make(device, sizeof *image);
+  if (!image)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  set_name(image->name, info->name);
+  image->info = *info;
+  return CSM_SUCCESS;
+}
+
+static void null_image_destroy(gpu_device *device, gpu_image *image) {
+  release(device, image);
+}
+
+static uint64_t null_image_bytes(const gpu_image *image) {
+  return (uint64_t)image->info.width * image->info.height * image->info.layers * texel_bytes(image->info.format);
+}
+
+static uint64_t null_image_native(const gpu_image *image) {
+  return (uintptr_t)image;
+}
+
+static csm_result null_target_create(gpu_device *device, const gpu_target_info *info, gpu_target **out) {
+  require(device, info->depth || info->color, "target_create: without an image");
+  require(device, !info->depth || info->depth_layer < info->depth->info.layers, "target_create: no such depth layer");
+  require(device, !info->color || info->color_layer < info->color->info.layers, "target_create: no such colour layer");
+  gpu_target *target = *out = make(device, sizeof *target);
+  if (!target)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  set_name(target->name, info->name);
+  return CSM_SUCCESS;
+}
+
+static void null_target_destroy(gpu_device *device, gpu_target *target) {
+  release(device, target);
+}
+
+static csm_result null_program_create(gpu_device *device, const gpu_program_info *info, gpu_program **out) {
+  require(device, info->vertex.spirv_size && info->vertex.dxbc_size, "program_create: no vertex shader");
+  require(device, !info->pixel.spirv_size == !info->pixel.dxbc_size, "program_create: half a pixel shader");
+  gpu_program *program = *out = make(device, sizeof *program);
+  if (!program)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  set_name(program->name, info->name);
+  program->info = *info;
+  return CSM_SUCCESS;
+}
+
+static void null_program_destroy(gpu_device *device, gpu_program *program) {
+  release(device, program);
+}
+
+static csm_result null_bindings_create(gpu_device *device, const gpu_bindings_info *info, gpu_bindings **out) {
+  for (uint32_t i = 0; i < info->program->info.constants_count; i++)
+    require(device, info->constants[i], "bindings_create: constants are missing");
+  for (uint32_t i = 0; i < info->program->info.texture_count; i++)
+    require(device, info->textures[i] && (info->textures[i]->info.usage & GPU_IMAGE_SAMPLED),
+            "bindings_create: a texture is missing, or not made to be sampled");
+  gpu_bindings *bindings = *out = make(device, sizeof *bindings);
+  if (!bindings)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  set_name(bindings->name, info->name);
+  bindings->info = *info;
+  return CSM_SUCCESS;
+}
+
+static void null_bindings_destroy(gpu_device *device, gpu_bindings *bindings) {
+  release(device, bindings);
+}
+
+/* ---- recording ---- */
+
+static csm_result null_begin(gpu_device *device, uint32_t slot, void *native) {
+  require(device, !device->recording && !native, "begin: already recording, or into an engine's command buffer");
+  device->recording = true;
+  record(device, "begin %u", slot);
+  return CSM_SUCCESS;
+}
+
+static void null_marker_begin(gpu_device *device, const char *name) {
+  record(device, "marker_begin %s", name);
+}
+
+static void null_marker_end(gpu_device *device) {
+  record(device, "marker_end");
+}
+
+static void null_timestamp(gpu_device *device, uint32_t index) {
+  require(device, index < GPU_MAX_TIMESTAMPS, "timestamp: no such index");
+  record(device, "timestamp %u", index);
+}
+
+static void null_copy_buffer(gpu_device *device, gpu_buffer *to, uint64_t to_offset, gpu_buffer *from,
+                             uint64_t from_offset, uint64_t size) {
+  record(device, "copy_buffer %s %llu %s %llu %llu", to->name, (unsigned long long)to_offset, from->name,
+         (unsigned long long)from_offset, (unsigned long long)size);
+  require(device, device->recording && !device->in_pass, "copy_buffer: not between begin and end, or in a pass");
+  const bool fits = holds(to, to_offset, size) && holds(from, from_offset, size);
+  require(device, fits, "copy_buffer: beyond a buffer's end");
+  if (fits)
+    memcpy(to->memory + to_offset, from->memory + from_offset, size);
+}
+
+static void null_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *from,
+                            uint32_t layer) {
+  record(device, "copy_image %s %llu %u %s %u", to->name, (unsigned long long)offset, row_bytes, from->name, layer);
+  require(device, device->recording && !device->in_pass, "copy_image: not between begin and end, or in a pass");
+  require(device, row_bytes % OFFSET_ALIGNMENT == 0, "copy_image: row_bytes is not a multiple of 256");
+  require(device, layer < from->info.layers, "copy_image: no such layer");
+  require(device, from->info.usage & GPU_IMAGE_COPY_SOURCE, "copy_image: the image is not made to be copied");
+  const uint64_t used = (uint64_t)from->info.width * texel_bytes(from->info.format);
+  const uint64_t size = (uint64_t)row_bytes * (from->info.height - 1) + used;
+  const bool fits = used <= row_bytes && holds(to, offset, size);
+  require(device, fits, "copy_image: beyond a row's or the buffer's end");
+  if (fits)
+    memset(to->memory + offset, 0, size);
+}
+
+static void null_clear_depth(gpu_device *device, gpu_image *image, float depth) {
+  record(device, "clear_depth %s %g", image->name, (double)depth);
+  require(device, device->recording && !device->in_pass, "clear_depth: not between begin and end, or in a pass");
+}
+
+static void null_pass_begin(gpu_device *device, gpu_target *target) {
+  record(device, "pass_begin %s", target->name);
+  require(device, device->recording && !device->in_pass, "pass_begin: not between begin and end, or in a pass");
+  device->in_pass = true;
+  device->program = NULL;
+  device->bound = false;
+}
+
+static void null_pass_end(gpu_device *device) {
+  record(device, "pass_end");
+  require(device, device->in_pass, "pass_end: no pass is open");
+  device->in_pass = false;
+}
+
+static void null_pass_program(gpu_device *device, gpu_program *program) {
+  record(device, "program %s", program->name);
+  require(device, device->in_pass, "pass_program: no pass is open");
+  device->program = program;
+  device->bound = false;
+}
+
+static void null_pass_bind(gpu_device *device, gpu_bindings *bindings, const uint32_t *offsets) {
+  record(device, "bind %s", bindings->name);
+  require(device, device->in_pass && bindings->info.program == device->program,
+          "pass_bind: no pass is open, or bindings of another program");
+  const gpu_program_info *program = &bindings->info.program->info;
+  for (uint32_t i = 0; i < program->constants_count; i++) {
+    require(device, offsets[i] % OFFSET_ALIGNMENT == 0, "pass_bind: an offset is not a multiple of 256");
+    require(device, holds(bindings->info.constants[i], offsets[i], program->constants_sizes[i]),
+            "pass_bind: constants beyond the buffer's end");
+  }
+  device->bound = true;
+}
+
+static void check_draw(gpu_device *device, const gpu_draw *draw) {
+  const gpu_program_info *program = &device->program->info;
+  require(device, device->bound || !(program->constants_count + program->texture_count), "pass_draw: nothing is bound");
+  require(device, draw->count > 0 && draw->instance_count > 0, "pass_draw: draws nothing");
+  if (draw->indices) {
+    require(device, draw->index_size == 2 || draw->index_size == 4, "pass_draw: index_size is not 2 or 4");
+    require(device, holds(draw->indices, draw->index_offset, (uint64_t)draw->count * draw->index_size),
+            "pass_draw: indices beyond the buffer's end");
+  }
+  for (uint32_t i = 0; i < program->stream_count; i++) {
+    const uint32_t elements = program->streams[i].per_instance ? draw->instance_count : 1;
+    require(device, holds(draw->streams[i], draw->stream_offsets[i], (uint64_t)elements * program->streams[i].stride),
+            "pass_draw: a stream is missing, or ends too early");
+  }
+}
+
+static void null_pass_draw(gpu_device *device, const gpu_draw *draw) {
+  record(device, "draw count=%u instances=%u", draw->count, draw->instance_count);
+  require(device, device->in_pass && device->program, "pass_draw: no pass is open, or no program is set");
+  if (device->program)
+    check_draw(device, draw);
+}
+
+static void null_make_readable(gpu_device *device, gpu_image *image) {
+  record(device, "make_readable %s", image->name);
+  require(device, device->recording && !device->in_pass, "make_readable: not between begin and end, or in a pass");
+}
+
+static csm_result null_end(gpu_device *device) {
+  record(device, "end");
+  require(device, device->recording && !device->in_pass, "end: not recording, or a pass is open");
+  device->recording = false;
+  return CSM_SUCCESS;
+}
+
+static csm_result null_wait(gpu_device *device, uint32_t slot) {
+  record(device, "wait %u", slot);
+  return CSM_SUCCESS;
+}
+
+/* A millisecond from each to the next. */
+static csm_result null_timestamps(gpu_device *device, uint32_t slot, uint32_t count, uint64_t *nanoseconds) {
+  (void)device;
+  (void)slot;
+  for (uint32_t i = 0; i < count; i++)
+    nanoseconds[i] = i * 1000000ull;
+  return CSM_SUCCESS;
+}
+
+static const gpu_backend table = {
+    .name = "null",
+    .query = null_query,
+    .open = null_open,
+    .close = null_close,
+    .describe = null_describe,
+    .buffer_create = null_buffer_create,
+    .buffer_destroy = null_buffer_destroy,
+    .buffer_memory = null_buffer_memory,
+    .image_create = null_image_create,
+    .image_destroy = null_image_destroy,
+    .image_bytes = null_image_bytes,
+    .image_native = null_image_native,
+    .target_create = null_target_create,
+    .target_destroy = null_target_destroy,
+    .program_create = null_program_create,
+    .program_destroy = null_program_destroy,
+    .bindings_create = null_bindings_create,
+    .bindings_destroy = null_bindings_destroy,
+    .begin = null_begin,
+    .marker_begin = null_marker_begin,
+    .marker_end = null_marker_end,
+    .timestamp = null_timestamp,
+    .copy_buffer = null_copy_buffer,
+    .copy_image = null_copy_image,
+    .clear_depth = null_clear_depth,
+    .pass_begin = null_pass_begin,
+    .pass_end = null_pass_end,
+    .pass_program = null_pass_program,
+    .pass_bind = null_pass_bind,
+    .pass_draw = null_pass_draw,
+    .make_readable = null_make_readable,
+    .end = null_end,
+    .wait = null_wait,
+    .timestamps = null_timestamps,
+};
+
+__attribute__((visibility("default"))) void csm_backend_handshake(gpu_handshake *handshake);
+void csm_backend_handshake(gpu_handshake *handshake) {
+  handshake->backend_oldest = GPU_INTERFACE_VERSION;
+  handshake->backend_newest = GPU_INTERFACE_VERSION;
+  const bool common =
+      handshake->front_oldest <= GPU_INTERFACE_VERSION && handshake->front_newest >= GPU_INTERFACE_VERSION;
+  handshake->backend = common ? &table : NULL;
+}
