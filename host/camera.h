@@ -1,0 +1,33 @@
+/* camera.h: where a picture is taken from. */
+#ifndef HOST_CAMERA_H
+#define HOST_CAMERA_H
+
+#include <stdbool.h>
+
+typedef struct camera {
+  double view[16];       /* world to view */
+  double projection[16]; /* view to clip, z in [0,1] */
+  double position[3];    /* world */
+  double forward[3];     /* world: unit, the way it looks */
+  double near_depth;     /* metres along forward */
+  double far_depth;      /* INFINITY for an infinite far plane */
+  bool reversed;         /* clip z is 1 at the near plane */
+} camera;
+
+/* How a camera of the host's own is placed; its projection is made when the picture's size is known. */
+typedef struct camera_pose {
+  double position[3], target[3];
+  double vertical_fov_deg;
+  double near_depth, far_depth; /* metres; far may be INFINITY */
+} camera_pose;
+
+/* NULL, or what is wrong with the pose, in words. */
+const char *camera_pose_check(const camera_pose *pose);
+
+/* Right-handed, reversed-Z, looking along view -z. Precondition: the pose is checked, aspect (width / height) > 0. */
+void camera_from_pose(camera *out, const camera_pose *pose, double aspect);
+
+/* Finds position, forward, near, far and reversed from the two matrices. NULL, or what is wrong with them. */
+const char *camera_from_matrices(camera *out, const double view[16], const double projection[16]);
+
+#endif
