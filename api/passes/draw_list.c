@@ -7,15 +7,16 @@ void draw_list(pass_gpu gpu, const plan_list *list, const pass_mesh *meshes, gpu
   for (uint32_t i = 0; i < list->draw_count; ++i) {
     const plan_draw *draw = &list->draws[i];
     const pass_mesh *mesh = &meshes[draw->mesh];
-    gpu.api->pass_draw(gpu.device, &(gpu_draw){
-                                       .streams = {mesh->buffer, matrices},
-                                       .stream_offsets = {mesh->vertices, offset + (uint64_t)draw->first * rows * row_bytes},
-                                       .indices = mesh->buffer,
-                                       .index_offset = mesh->indices,
-                                       .index_size = mesh->index_size,
-                                       .count = mesh->index_count,
-                                       .instance_count = draw->count,
-                                   });
+    gpu.api->pass_draw(gpu.device,
+                       &(gpu_draw){
+                           .streams = {mesh->buffer, matrices},
+                           .stream_offsets = {mesh->vertices, offset + (uint64_t)draw->first * rows * row_bytes},
+                           .indices = mesh->buffer,
+                           .index_offset = mesh->indices,
+                           .index_size = mesh->index_size,
+                           .count = mesh->index_count,
+                           .instance_count = draw->count,
+                       });
   }
 }
 
@@ -34,6 +35,7 @@ csm_result draw_list_program(pass_gpu gpu, const char *name, gpu_code vertex, ui
       .cull = GPU_CULL_NONE,
   };
   for (uint32_t row = 0; row < rows; ++row)
-    info.attributes[1 + row] = (gpu_attribute){.format = GPU_FORMAT_RGBA32_FLOAT, .stream = 1, .offset = row * row_bytes};
+    info.attributes[1 + row] =
+        (gpu_attribute){.format = GPU_FORMAT_RGBA32_FLOAT, .stream = 1, .offset = row * row_bytes};
   return gpu.api->program_create(gpu.device, &info, out);
 }

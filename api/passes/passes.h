@@ -30,12 +30,12 @@ csm_result cascade_depth_program(pass_gpu gpu, gpu_program **out);
 typedef struct cascade_depth_pass {
   gpu_program *program;
   gpu_image *maps;
-  gpu_target *const *targets;      /* one for each cascade */
+  gpu_target *const *targets; /* one for each cascade */
   const plan_frame *plan;
   const pass_mesh *meshes;
-  gpu_buffer *matrices;            /* as plan_write_cascade_matrices writes them */
+  gpu_buffer *matrices; /* as plan_write_cascade_matrices writes them */
   uint64_t matrices_offsets[CSM_MAX_CASCADES];
-  bool timestamps;                 /* 0: begin, 1: cleared, 2 + k: cascade k drawn */
+  bool timestamps; /* 0: begin, 1: cleared, 2 + k: cascade k drawn */
 } cascade_depth_pass;
 
 void cascade_depth_record(pass_gpu gpu, const cascade_depth_pass *pass);

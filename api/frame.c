@@ -1,0 +1,101 @@
+#include "cascades.h"
+#include "clock.h"
+
+enum { ring_alignment = 256 };
+
+static csm_result make_plan(csm_cascades *cascades, const csm_frame *frame, planned *out) {
+  csm_context *context = cascades->context;
+  const size_t scene = scene_size(frame->instance_count);
+  const size_t lists =
+      plan_memory_size(frame->instance_count, context->geometry.slot_count, cascades->config.cascade_count);
+  csm_result result = context_grow(context, &out->memory, &out->size, scene + lists);
+  if (!result)
+    result = scene_read(context, frame, out->memory, &out->scene);
+  if (result)
+    return result;
+  const char *text = "";
+  result = plan_frame_make(&out->frame, &cascades->config, frame->view, frame->projection, frame->light_direction,
+                           &out->scene, (char *)out->memory + scene, &text);
+  return result ? context_fail(context, result, "csm_frame: %s", text) : CSM_SUCCESS;
+}
+
+/* Where each cascade's matrices begin in the ring; returns the bytes of all. */
+static uint64_t place_matrices(const plan_frame *plan, uint64_t offsets[CSM_MAX_CASCADES]) {
+  uint64_t size = 0;
+  for (uint32_t i = 0; i < plan->cascade_count; ++i) {
+    offsets[i] = size;
+    size += (uint64_t)plan->cascades[i].list.instance_count * PASS_CASCADE_ROWS * 4 * sizeof(float);
+    size = (size + ring_alignment - 1) / ring_alignment * ring_alignment;
+  }
+  return size;
+}
+
+static void count_casters(csm_cascades *cascades, const plan_frame *plan) {
+  for (uint32_t i = 0; i < plan->cascade_count; ++i) {
+    const plan_list *list = &plan->cascades[i].list;
+    csm_cascade_stats *stats = &cascades->stats.cascades[i];
+    stats->casters_drawn = list->instance_count;
+    stats->casters_culled = list->culled;
+    stats->triangles_drawn = 0;
+    for (uint32_t d = 0; d < list->draw_count; ++d)
+      stats->triangles_drawn +=
+          (uint64_t)cascades->context->geometry.meshes[list->draws[d].mesh].index_count / 3 * list->draws[d].count;
+  }
+}
+
+csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame *in) {
+  csm_result result = cascades_usable(cascades);
+  if (result)
+    return result;
+  csm_context *context = cascades->context;
+  csm_frame frame;
+  result = frame_read(context, in, &frame);
+  if (result)
+    return result;
+
+  planned *next = &cascades->plans[!cascades->current];
+  const double begin_ms = clock_ms();
+  result = make_plan(cascades, &frame, next);
+  if (result)
+    return result;
+  const double planned_ms = clock_ms();
+
+  uint64_t offsets[CSM_MAX_CASCADES];
+  ring_range ring = {0};
+  result = recording_prepare(context, place_matrices(&next->frame, offsets), &ring);
+  if (result)
+    return result;
+  const double ready_ms = clock_ms();
+  for (uint32_t i = 0; i < next->frame.cascade_count; ++i)
+    if (next->frame.cascades[i].list.instance_count)
+      plan_write_cascade_matrices((float *)((char *)ring.memory + offsets[i]), &next->frame, i, &next->scene);
+  const double written_ms = clock_ms();
+
+  result = recording_begin(context);
+  if (result)
+    return result;
+  cascade_depth_pass pass = {
+      .program = context->cascade_program,
+      .maps = cascades->maps->image,
+      .targets = cascades->maps->targets,
+      .plan = &next->frame,
+      .meshes = context->geometry.meshes,
+      .matrices = ring.buffer,
+      .timestamps = frame.flags & CSM_FRAME_TIMESTAMPS,
+  };
+  for (uint32_t i = 0; i < next->frame.cascade_count; ++i)
+    pass.matrices_offsets[i] = ring.offset + offsets[i];
+  cascade_depth_record(context->gpu, &pass);
+  result = recording_end(context);
+  if (result)
+    return result;
+
+  if (pass.timestamps)
+    cascades_expect_timing(cascades, 2 + next->frame.cascade_count, false);
+  cascades->current = !cascades->current;
+  cascades->drawn = true;
+  cascades->stats.plan_ms = planned_ms - begin_ms + (written_ms - ready_ms);
+  cascades->stats.record_ms = clock_ms() - written_ms;
+  count_casters(cascades, &next->frame);
+  return CSM_SUCCESS;
+}
