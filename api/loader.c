@@ -34,7 +34,7 @@ csm_result loader_negotiate(const gpu_handshake *answer, uint32_t *version) {
 static bool own_folder(char folder[PATH_MAX]) {
   Dl_info info;
   struct link_map *map = NULL;
-  if (!dladdr1((const void *)&loader_negotiate, &info, (void **)&map, RTLD_DL_LINKMAP) || !map || !map->l_name[0])
+  if (!dladdr1((const void *)&own_folder, &info, (void **)&map, RTLD_DL_LINKMAP) || !map || !map->l_name[0])
     return false;
   void *library = dlopen(map->l_name, RTLD_LAZY | RTLD_NOLOAD);
   if (!library)
