@@ -44,6 +44,6 @@ for backend in backends:
     compare(backend, listed["backend"], exported(backend))
     problems += [f"{backend}: {name} is a global name of the Vulkan loader's" for name, kind in symbols(backend)
                  if re.match("vk[A-Z]", name) and kind.isupper()]
-    problems += [f"{backend}: links {name}" for name in needed(backend) if re.match("libvulkan|libcsm", name)]
+    problems += [f"{backend}: links {name}" for name in needed(backend) if re.match("libvulkan|libvkd3d|libcsm", name)]
 print("\n".join(problems) or f"{1 + len(backends)} libraries export what they should")
 sys.exit(1 if problems else 0)

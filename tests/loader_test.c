@@ -16,7 +16,7 @@
 
 enum { NEWEST_TRIED = 6 };
 
-static char scratch[] = "/tmp/csm-loader-XXXXXX"; /* a folder of this test's own */
+static char scratch[] = P_tmpdir "/csm-loader-XXXXXX"; /* a folder of this test's own */
 
 static void copy_file(const char *to, const char *from, size_t most) {
   static char bytes[1 << 20];
