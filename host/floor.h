@@ -24,7 +24,8 @@ typedef struct floor_info {
  */
 int floor_open(floor_loop **out, const floor_info *info, char *error, size_t error_size);
 
-/* Records, submits and waits for one frame. Wall-clock milliseconds of it all, or a negative number if the device fails. */
+/* Records, submits and waits for one frame. Wall-clock milliseconds of it all, or a negative number if the device
+ * fails. */
 double floor_frame(floor_loop *loop);
 
 /* NULL is allowed. */

@@ -14,7 +14,7 @@ bool vec_normalize(double v[3]);
 
 void mat_identity(double out[16]);
 void mat_multiply(double out[16], const double a[16], const double b[16]); /* out may not alias */
-bool mat_invert(double out[16], const double m[16]);                      /* false: singular; out may not alias */
+bool mat_invert(double out[16], const double m[16]);                       /* false: singular; out may not alias */
 /* m times (v, w), all four components */
 void mat_transform(double out[4], const double m[16], const double v[3], double w);
 /* Translation times a turn about the y axis (radians) times a scale along each axis. */

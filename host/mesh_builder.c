@@ -40,7 +40,8 @@ void builder_quad(mesh_builder *b, const double corners[4][3]) {
 }
 
 void builder_box(mesh_builder *b, const double minimum[3], const double maximum[3]) {
-  static const uint8_t faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+  static const uint8_t faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
+                                      {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
   for (int face = 0; face < 6; face++) {
     double corners[4][3];
     for (int i = 0; i < 4; i++)
@@ -135,8 +136,8 @@ static void ball_divide(ball *shape) {
 
 static void ball_begin(ball *shape, uint32_t subdivisions) {
   const double t = 0.85065080835203993, s = 0.52573111211913361;
-  const double points[12][3] = {{-s, t, 0}, {s, t, 0}, {-s, -t, 0}, {s, -t, 0}, {0, -s, t}, {0, s, t},
-                                {0, -s, -t}, {0, s, -t}, {t, 0, -s}, {t, 0, s}, {-t, 0, -s}, {-t, 0, s}};
+  const double points[12][3] = {{-s, t, 0},  {s, t, 0},  {-s, -t, 0}, {s, -t, 0}, {0, -s, t},  {0, s, t},
+                                {0, -s, -t}, {0, s, -t}, {t, 0, -s},  {t, 0, s},  {-t, 0, -s}, {-t, 0, s}};
   static const uint8_t faces[20][3] = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
                                        {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
                                        {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},

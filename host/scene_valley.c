@@ -17,6 +17,7 @@
 #define TILES_X 12u
 #define TILES_Z 12u
 #define WATER_LEVEL 1.2
+#define CAMERA_X -24.0 /* at z = 0 */
 
 static double smooth_step(double low, double high, double x) {
   const double t = fmin(fmax((x - low) / (high - low), 0.0), 1.0);
@@ -43,7 +44,7 @@ static double ground_height(double x, double z) {
   height += smooth_step(20.0, 160.0, from_river) * (7.0 * hills + 5.0);
   height += end * (90.0 + 210.0 * ridges) * (0.35 + 0.65 * smooth_step(0.0, 500.0, from_river));
   height += bumps * mix(0.8, 4.0, side);
-  return mix(-2.2, height, smooth_step(7.0, 30.0, from_river));
+  return mix(-2.2, height, smooth_step(4.0, 17.0, from_river));
 }
 
 static void ground_normal(double normal[3], double x, double z) {
@@ -56,7 +57,7 @@ static void ground_normal(double normal[3], double x, double z) {
 
 /* Grass below, rock where it is steep, snow on the heights, sand by the water. */
 static void ground_color(mesh_builder *b, double x, double y, double z) {
-  static const double grass[3] = {0.13, 0.19, 0.055}, meadow[3] = {0.24, 0.25, 0.085}, rock[3] = {0.27, 0.25, 0.225},
+  static const double grass[3] = {0.085, 0.125, 0.04}, meadow[3] = {0.17, 0.165, 0.07}, rock[3] = {0.2, 0.185, 0.165},
                       snow[3] = {0.82, 0.84, 0.88}, sand[3] = {0.4, 0.35, 0.25};
   double normal[3];
   ground_normal(normal, x, z);
@@ -100,8 +101,8 @@ static void add_river(scene *s) {
   const uint32_t steps = 240;
   for (uint32_t i = 0; i <= steps; i++) {
     const double z = VALLEY_FRONT - i * 2400.0 / steps, x = river_x(z);
-    builder_vertex(&b, x - 30.0, WATER_LEVEL, z);
-    builder_vertex(&b, x + 30.0, WATER_LEVEL, z);
+    builder_vertex(&b, x - 20.0, WATER_LEVEL, z);
+    builder_vertex(&b, x + 20.0, WATER_LEVEL, z);
     if (i > 0) {
       const uint32_t last = 2 * i;
       builder_triangle(&b, last - 2, last - 1, last + 1);
@@ -118,9 +119,9 @@ static void add_river(scene *s) {
 typedef struct valley_kind {
   uint32_t mesh;
   uint32_t count;
-  double low, high;         /* heights of the ground where it grows */
-  double steepest;          /* least y of the ground's normal */
-  double clumping;          /* 0: everywhere; 1: in forests only */
+  double low, high; /* heights of the ground where it grows */
+  double steepest;  /* least y of the ground's normal */
+  double clumping;  /* 0: everywhere; 1: in forests only */
   double min_size, max_size;
 } valley_kind;
 
@@ -138,7 +139,7 @@ static void plant_kind(scene *s, const valley_kind *kind, uint32_t seed) {
     const double ahead = 2100.0 * pow(noise_hash(attempt, 1, seed), 1.7) - 40.0;
     const double x = (2.0 * noise_hash(attempt, 2, seed) - 1.0) * fmin(0.85 * ahead + 130.0, 1150.0), z = -ahead;
     const double y = ground_height(x, z);
-    if (hypot(x, z) < 16.0 || !grows_here(kind, x, y, z, noise_hash(attempt, 3, seed)))
+    if (hypot(x - CAMERA_X, z) < 34.0 || !grows_here(kind, x, y, z, noise_hash(attempt, 3, seed)))
       continue;
     const double size = mix(kind->min_size, kind->max_size, noise_hash(attempt, 4, seed));
     const double width = size * mix(0.88, 1.12, noise_hash(attempt, 5, seed));
@@ -152,17 +153,17 @@ static void plant_kind(scene *s, const valley_kind *kind, uint32_t seed) {
 
 static void add_plants(scene *s) {
   const valley_kind kinds[] = {
-      {plant_conifer(s, "spruce", 17.0, 6, 101), 900, 8.0, 270.0, 0.72, 0.95, 0.6, 1.35},
-      {plant_conifer(s, "fir", 23.0, 9, 102), 620, 12.0, 250.0, 0.72, 0.95, 0.6, 1.25},
-      {plant_conifer(s, "young spruce", 6.0, 4, 103), 300, 6.0, 300.0, 0.7, 0.5, 0.5, 1.4},
-      {plant_broadleaf(s, "oak", 14.0, 5, 104), 300, 3.0, 90.0, 0.85, 0.45, 0.7, 1.3},
-      {plant_broadleaf(s, "birch", 11.0, 3, 105), 320, 3.0, 120.0, 0.82, 0.6, 0.7, 1.25},
+      {plant_conifer(s, "spruce", 17.0, 6, 101), 1300, 6.0, 270.0, 0.72, 0.95, 0.6, 1.35},
+      {plant_conifer(s, "fir", 23.0, 8, 102), 800, 10.0, 250.0, 0.72, 0.95, 0.6, 1.25},
+      {plant_conifer(s, "young spruce", 6.0, 4, 103), 400, 5.0, 300.0, 0.7, 0.5, 0.5, 1.4},
+      {plant_broadleaf(s, "oak", 14.0, 4, 104), 130, 3.0, 90.0, 0.85, 0.45, 0.7, 1.3},
+      {plant_broadleaf(s, "birch", 11.0, 3, 105), 130, 3.0, 120.0, 0.82, 0.6, 0.7, 1.25},
       {plant_dead_tree(s, "dead tree", 11.0, 106), 90, 4.0, 280.0, 0.7, 0.0, 0.6, 1.3},
-      {plant_bush(s, "bush", 1.7, 107), 420, 2.6, 200.0, 0.7, 0.2, 0.5, 1.5},
-      {plant_rock(s, "boulder", (double[3]){1.6, 1.2, 1.4}, 2, 108), 320, 1.0, 400.0, 0.5, 0.0, 0.4, 2.2},
-      {plant_rock(s, "slab", (double[3]){2.6, 0.6, 1.7}, 2, 109), 200, 1.0, 400.0, 0.5, 0.0, 0.4, 1.8},
-      {plant_rock(s, "crag", (double[3]){1.5, 3.4, 1.3}, 2, 110), 120, 20.0, 420.0, 0.4, 0.0, 0.5, 2.4},
-      {plant_rock(s, "stone", (double[3]){0.5, 0.35, 0.45}, 1, 111), 400, 1.0, 200.0, 0.6, 0.0, 0.5, 1.8},
+      {plant_bush(s, "bush", 1.7, 107), 360, 2.6, 200.0, 0.7, 0.2, 0.5, 1.5},
+      {plant_rock(s, "boulder", (double[3]){1.6, 1.2, 1.4}, 2, 108), 140, 1.0, 400.0, 0.5, 0.0, 0.4, 2.2},
+      {plant_rock(s, "slab", (double[3]){2.6, 0.6, 1.7}, 1, 109), 160, 1.0, 400.0, 0.5, 0.0, 0.4, 1.8},
+      {plant_rock(s, "crag", (double[3]){1.5, 3.4, 1.3}, 2, 110), 90, 20.0, 420.0, 0.4, 0.0, 0.5, 2.4},
+      {plant_rock(s, "stone", (double[3]){0.5, 0.35, 0.45}, 1, 111), 260, 1.0, 200.0, 0.6, 0.0, 0.5, 1.8},
   };
   for (uint32_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++)
     plant_kind(s, &kinds[k], 1000 + k);
@@ -175,9 +176,9 @@ void scene_make_valley(scene *s) {
       add_ground_tile(s, column, row);
   add_river(s);
   add_plants(s);
-  const double eye = ground_height(18.0, 0.0) + 9.0;
-  s->camera = (camera_pose){.position = {18.0, eye, 0.0},
-                            .target = {2.0, eye - 1.5, -100.0},
+  const double eye = ground_height(CAMERA_X, 0.0) + 15.0;
+  s->camera = (camera_pose){.position = {CAMERA_X, eye, 0.0},
+                            .target = {-6.0, eye - 9.0, -100.0},
                             .vertical_fov_deg = 50.0,
                             .near_depth = 0.5,
                             .far_depth = 4000.0};

@@ -1,0 +1,229 @@
+/* scene_gltf.c: glTF files, through Assimp. */
+#define _POSIX_C_SOURCE 200809L
+#include "host.h"
+#include "image.h"
+#include "linear.h"
+#include "scene.h"
+#include <assimp/GltfMaterial.h>
+#include <assimp/cimport.h>
+#include <assimp/material.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+typedef struct loader {
+  scene *scene;
+  const struct aiScene *file;
+  const char *path;
+  uint32_t first_material;
+  uint32_t *meshes; /* ours for each of the file's; UINT32_MAX: it has no triangles */
+} loader;
+
+static bool read_file(const char *path, uint8_t **data, size_t *size) {
+  FILE *file = fopen(path, "rb");
+  if (!file)
+    return false;
+  size_t capacity = 0, count = 0, read;
+  uint8_t *bytes = NULL;
+  do {
+    bytes = host_grow(bytes, &capacity, count + 65536, 1);
+    read = fread(bytes + count, 1, 65536, file);
+    count += read;
+  } while (read > 0);
+  fclose(file);
+  *data = bytes;
+  *size = count;
+  return true;
+}
+
+/* Assimp calls an embedded texture "*" and its number. */
+static const struct aiTexture *embedded_texture(const struct aiScene *file, const char *name) {
+  if (name[0] != '*')
+    return NULL;
+  const unsigned long index = strtoul(name + 1, NULL, 10);
+  return index < file->mNumTextures ? file->mTextures[index] : NULL;
+}
+
+/* The mean colour of a texture that is embedded (PNG or raw), or beside the file. White where it cannot be read. */
+static void texture_mean(const loader *l, const char *name, float mean[3]) {
+  const struct aiTexture *texture = embedded_texture(l->file, name);
+  uint8_t *data = NULL;
+  size_t size = 0;
+  char path[4096];
+  const char *slash = strrchr(l->path, '/');
+  const int folder = slash ? (int)(slash - l->path + 1) : 0;
+  mean[0] = mean[1] = mean[2] = 1.0f;
+  if (texture && texture->mHeight == 0)
+    image_mean_of_png(texture->pcData, texture->mWidth, mean);
+  else if (!texture && (size_t)snprintf(path, sizeof path, "%.*s%s", folder, l->path, name) < sizeof path &&
+           read_file(path, &data, &size))
+    image_mean_of_png(data, size, mean);
+  free(data);
+}
+
+static void add_material(const loader *l, const struct aiMaterial *from) {
+  scene_material material = {.color = {1, 1, 1}};
+  struct aiString text;
+  struct aiColor4D factor;
+  int two_sided = 0;
+  if (aiGetMaterialString(from, AI_MATKEY_NAME, &text) == aiReturn_SUCCESS)
+    snprintf(material.name, sizeof material.name, "%.63s", text.data);
+  if (aiGetMaterialColor(from, AI_MATKEY_COLOR_DIFFUSE, &factor) == aiReturn_SUCCESS) {
+    material.color[0] = factor.r;
+    material.color[1] = factor.g;
+    material.color[2] = factor.b;
+  }
+  if (aiGetMaterialTexture(from, aiTextureType_DIFFUSE, 0, &text, NULL, NULL, NULL, NULL, NULL, NULL) ==
+      aiReturn_SUCCESS) {
+    float mean[3];
+    texture_mean(l, text.data, mean);
+    for (int i = 0; i < 3; i++)
+      material.color[i] *= mean[i];
+  }
+  if (aiGetMaterialIntegerArray(from, AI_MATKEY_TWOSIDED, &two_sided, NULL) == aiReturn_SUCCESS)
+    material.two_sided = two_sided != 0;
+  if (aiGetMaterialString(from, AI_MATKEY_GLTF_ALPHAMODE, &text) == aiReturn_SUCCESS)
+    material.alpha_tested = strcmp(text.data, "OPAQUE") != 0;
+  scene_add_material(l->scene, &material);
+}
+
+static void copy_triangles(scene_mesh *to, const struct aiMesh *from) {
+  uint32_t *indices = host_allocate((size_t)from->mNumFaces * 3, sizeof *indices);
+  for (uint32_t f = 0; f < from->mNumFaces; f++)
+    if (from->mFaces[f].mNumIndices == 3) {
+      memcpy(indices + to->index_count, from->mFaces[f].mIndices, 3 * sizeof *indices);
+      to->index_count += 3;
+    }
+  to->index_size = to->vertex_count <= 65535 ? 2 : 4;
+  to->indices = indices;
+  if (to->index_size == 2) {
+    uint16_t *narrow = host_allocate(to->index_count, sizeof *narrow);
+    for (uint32_t i = 0; i < to->index_count; i++)
+      narrow[i] = (uint16_t)indices[i];
+    to->indices = narrow;
+    free(indices);
+  }
+}
+
+static float *copy_vectors(const struct aiVector3D *from, uint32_t count) {
+  float *to = host_allocate((size_t)count * 3, sizeof *to);
+  for (uint32_t v = 0; v < count; v++) {
+    to[3 * (size_t)v] = from[v].x;
+    to[3 * (size_t)v + 1] = from[v].y;
+    to[3 * (size_t)v + 2] = from[v].z;
+  }
+  return to;
+}
+
+static int check_mesh(const loader *l, const struct aiMesh *mesh) {
+  for (uint32_t v = 0; v < mesh->mNumVertices; v++)
+    if (!isfinite(mesh->mVertices[v].x) || !isfinite(mesh->mVertices[v].y) || !isfinite(mesh->mVertices[v].z))
+      return host_fail(HOST_BAD_INPUT, "'%s': mesh '%s' has a position that is not finite", l->path, mesh->mName.data);
+  for (uint32_t f = 0; f < mesh->mNumFaces; f++)
+    for (uint32_t i = 0; i < mesh->mFaces[f].mNumIndices; i++)
+      if (mesh->mFaces[f].mIndices[i] >= mesh->mNumVertices)
+        return host_fail(HOST_BAD_INPUT, "'%s': mesh '%s' has an index out of range", l->path, mesh->mName.data);
+  return 0;
+}
+
+static int add_mesh(loader *l, uint32_t index) {
+  const struct aiMesh *from = l->file->mMeshes[index];
+  l->meshes[index] = UINT32_MAX;
+  if (!(from->mPrimitiveTypes & aiPrimitiveType_TRIANGLE) || !from->mVertices || from->mNumFaces == 0)
+    return 0;
+  const int code = check_mesh(l, from);
+  if (code)
+    return code;
+  scene_mesh mesh = {.material = l->first_material + from->mMaterialIndex, .vertex_count = from->mNumVertices};
+  snprintf(mesh.name, sizeof mesh.name, "%.63s", from->mName.data);
+  mesh.positions = copy_vectors(from->mVertices, from->mNumVertices);
+  if (from->mNormals)
+    mesh.normals = copy_vectors(from->mNormals, from->mNumVertices);
+  copy_triangles(&mesh, from);
+  l->meshes[index] = scene_add_mesh(l->scene, &mesh);
+  return 0;
+}
+
+/* Assimp's matrices are row-major. */
+static void node_transform(double out[16], const struct aiMatrix4x4 *m) {
+  const double columns[16] = {m->a1, m->b1, m->c1, m->d1, m->a2, m->b2, m->c2, m->d2,
+                              m->a3, m->b3, m->c3, m->d3, m->a4, m->b4, m->c4, m->d4};
+  memcpy(out, columns, sizeof columns);
+}
+
+/* A node that is scaled to nothing along an axis shows nothing, and is left out. */
+static bool is_flat(const double transform[16]) {
+  double scale = 1.0;
+  for (int column = 0; column < 3; column++)
+    scale *= vec_length(transform + 4 * column);
+  return !(fabs(mat_determinant3(transform)) > 1e-12 * scale) || scale == 0.0;
+}
+
+static void add_node(const loader *l, const struct aiNode *node, const double parent[16]) {
+  double local[16], world[16];
+  node_transform(local, &node->mTransformation);
+  mat_multiply(world, parent, local);
+  for (uint32_t i = 0; i < node->mNumMeshes; i++) {
+    const uint32_t mesh = l->meshes[node->mMeshes[i]];
+    if (mesh != UINT32_MAX && !is_flat(world))
+      scene_add_instance(l->scene, mesh, world);
+  }
+  for (uint32_t i = 0; i < node->mNumChildren; i++)
+    add_node(l, node->mChildren[i], world);
+}
+
+static int add_contents(loader *l, const double root[16]) {
+  const size_t instances = l->scene->instance_count;
+  l->first_material = (uint32_t)l->scene->material_count;
+  for (uint32_t i = 0; i < l->file->mNumMaterials; i++)
+    add_material(l, l->file->mMaterials[i]);
+  for (uint32_t i = 0; i < l->file->mNumMeshes; i++) {
+    const int code = add_mesh(l, i);
+    if (code)
+      return code;
+  }
+  add_node(l, l->file->mRootNode, root);
+  if (l->scene->instance_count == instances)
+    return host_fail(HOST_BAD_INPUT, "'%s' draws no triangles", l->path);
+  return 0;
+}
+
+static int check_file(const char *path) {
+  struct stat status;
+  if (stat(path, &status) != 0)
+    return host_fail(HOST_BAD_INPUT, "cannot open the scene '%s': %s", path, strerror(errno));
+  if (!S_ISREG(status.st_mode))
+    return host_fail(HOST_BAD_INPUT, "the scene '%s' is not a file", path);
+  if (access(path, R_OK) != 0)
+    return host_fail(HOST_BAD_INPUT, "cannot read the scene '%s': %s", path, strerror(errno));
+  const char *dot = strrchr(path, '.');
+  if (!dot || (strcmp(dot, ".gltf") != 0 && strcmp(dot, ".glb") != 0))
+    return host_fail(HOST_BAD_INPUT, "the scene '%s' is neither .gltf nor .glb", path);
+  return 0;
+}
+
+int scene_add_gltf(scene *s, const char *path, const double root[16]) {
+  int code = check_file(path);
+  if (code)
+    return code;
+  const struct aiScene *file = aiImportFile(path, aiProcess_Triangulate | aiProcess_JoinIdenticalVertices |
+                                                      aiProcess_SortByPType | aiProcess_ValidateDataStructure);
+  if (!file || !file->mRootNode || (file->mFlags & AI_SCENE_FLAGS_INCOMPLETE)) {
+    const char *reason = aiGetErrorString();
+    code = host_fail(HOST_BAD_INPUT, "cannot read the scene '%s': %s", path,
+                     reason && *reason ? reason : "it is truncated or broken");
+  } else {
+    loader l = {.scene = s, .file = file, .path = path, .meshes = host_allocate(file->mNumMeshes, sizeof(uint32_t))};
+    code = add_contents(&l, root);
+    free(l.meshes);
+  }
+  if (file)
+    aiReleaseImport(file);
+  return code;
+}

@@ -1,0 +1,231 @@
+#define _POSIX_C_SOURCE 200809L
+#include "trace.h"
+#include "host.h"
+#include "linear.h"
+#include <embree3/rtcore.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define MAX_THREADS 64
+
+typedef struct tracer {
+  const scene *scene;
+  const camera *camera;
+  RTCDevice device;
+  RTCScene *meshes; /* one for each mesh */
+  RTCScene world;   /* instance i is geometry i; relative to the camera's position */
+  double unproject[16];
+  double unview[16];
+  uint32_t width, height;
+  trace_surface *out;
+  atomic_uint next_row;
+} tracer;
+
+static RTCScene commit_mesh(RTCDevice device, const scene_mesh *mesh) {
+  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  float *positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
+                                             mesh->vertex_count);
+  uint32_t *indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                              3 * sizeof(uint32_t), mesh->index_count / 3);
+  if (positions && indices) {
+    memcpy(positions, mesh->positions, 3 * sizeof(float) * (size_t)mesh->vertex_count);
+    for (uint32_t i = 0; i < mesh->index_count; i++)
+      indices[i] = scene_index(mesh, i);
+  }
+  rtcCommitGeometry(geometry);
+  RTCScene committed = rtcNewScene(device);
+  rtcAttachGeometry(committed, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(committed);
+  return committed;
+}
+
+static void attach_instance(tracer *t, uint32_t index) {
+  const scene_instance *instance = &t->scene->instances[index];
+  float transform[16];
+  for (int i = 0; i < 16; i++)
+    transform[i] = (float)(instance->transform[i] - (i >= 12 && i < 15 ? t->camera->position[i - 12] : 0.0));
+  RTCGeometry geometry = rtcNewGeometry(t->device, RTC_GEOMETRY_TYPE_INSTANCE);
+  rtcSetGeometryInstancedScene(geometry, t->meshes[instance->mesh]);
+  rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, transform);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometryByID(t->world, geometry, index);
+  rtcReleaseGeometry(geometry);
+}
+
+static bool build(tracer *t) {
+  const scene *s = t->scene;
+  t->device = rtcNewDevice(NULL);
+  if (!t->device)
+    return false;
+  t->meshes = host_allocate(s->mesh_count, sizeof(RTCScene));
+  for (size_t m = 0; m < s->mesh_count; m++)
+    t->meshes[m] = commit_mesh(t->device, &s->meshes[m]);
+  t->world = rtcNewScene(t->device);
+  for (uint32_t i = 0; i < s->instance_count; i++)
+    attach_instance(t, i);
+  rtcCommitScene(t->world);
+  return rtcGetDeviceError(t->device) == RTC_ERROR_NONE;
+}
+
+static void destroy(tracer *t) {
+  if (t->world)
+    rtcReleaseScene(t->world);
+  for (size_t m = 0; t->meshes && m < t->scene->mesh_count; m++)
+    if (t->meshes[m])
+      rtcReleaseScene(t->meshes[m]);
+  free(t->meshes);
+  if (t->device)
+    rtcReleaseDevice(t->device);
+}
+
+/* View position of clip (x, y, depth). False where it is at infinity. */
+static bool view_position(double out[3], const tracer *t, double x, double y, double depth) {
+  double point[4];
+  mat_transform(point, t->unproject, (const double[3]){x, y, depth}, 1.0);
+  for (int i = 0; i < 3; i++)
+    out[i] = point[i] / point[3];
+  return all_finite(out, 3) && vec_length(out) < 1e15;
+}
+
+/*
+ * The ray through a pixel's centre, in the world relative to the camera's position: from the near plane to the far
+ * one. Its direction is taken towards the middle of the depth range, which is finite for every projection.
+ */
+static void pixel_ray(const tracer *t, uint32_t column, uint32_t row, double origin[3], double direction[3],
+                      double *reach) {
+  const double x = 2.0 * (column + 0.5) / t->width - 1.0, y = 1.0 - 2.0 * (row + 0.5) / t->height;
+  double from[3], middle[3], end[3], turned[4];
+  view_position(from, t, x, y, t->camera->reversed ? 1.0 : 0.0);
+  view_position(middle, t, x, y, 0.5);
+  vec_subtract(middle, middle, from);
+  vec_normalize(middle);
+  *reach = INFINITY;
+  if (view_position(end, t, x, y, t->camera->reversed ? 0.0 : 1.0) && isfinite(t->camera->far_depth)) {
+    vec_subtract(end, end, from);
+    *reach = vec_length(end);
+  }
+  mat_transform(turned, t->unview, from, 0.0);
+  memcpy(origin, turned, 3 * sizeof(double));
+  mat_transform(turned, t->unview, middle, 0.0);
+  memcpy(direction, turned, 3 * sizeof(double));
+}
+
+static void interpolate(float out[3], const float *values, const uint32_t corner[3], float u, float v) {
+  for (int i = 0; i < 3; i++)
+    out[i] = (1.0f - u - v) * values[3 * (size_t)corner[0] + i] + u * values[3 * (size_t)corner[1] + i] +
+             v * values[3 * (size_t)corner[2] + i];
+}
+
+/* Object to world: by the inverse transpose, up to a positive scale. */
+static void transform_normal(double out[3], const double m[16], const float normal[3]) {
+  double cofactor[3];
+  const double sign = mat_determinant3(m) < 0.0 ? -1.0 : 1.0;
+  out[0] = out[1] = out[2] = 0.0;
+  for (int column = 0; column < 3; column++) {
+    vec_cross(cofactor, m + 4 * ((column + 1) % 3), m + 4 * ((column + 2) % 3));
+    for (int i = 0; i < 3; i++)
+      out[i] += sign * cofactor[i] * normal[column];
+  }
+}
+
+/* A shade of its own for every instance, so that a forest is not one green. */
+static float instance_shade(uint32_t index) {
+  const uint32_t hash = (index + 1) * 2654435761u;
+  return 0.86f + 0.28f * (float)(hash >> 16) / 65536.0f;
+}
+
+static void fill_surface(const tracer *t, const struct RTCRayHit *found, trace_surface *surface) {
+  const uint32_t index = found->hit.instID[0];
+  const scene_instance *instance = &t->scene->instances[index];
+  const scene_mesh *mesh = &t->scene->meshes[instance->mesh];
+  uint32_t corner[3];
+  for (uint32_t i = 0; i < 3; i++)
+    corner[i] = scene_index(mesh, 3 * found->hit.primID + i);
+
+  float local[3] = {found->hit.Ng_x, found->hit.Ng_y, found->hit.Ng_z}, tint[3] = {1, 1, 1};
+  if (mesh->normals)
+    interpolate(local, mesh->normals, corner, found->hit.u, found->hit.v);
+  if (mesh->colors)
+    interpolate(tint, mesh->colors, corner, found->hit.u, found->hit.v);
+  double normal[3];
+  transform_normal(normal, instance->transform, local);
+  if (!vec_normalize(normal))
+    normal[1] = 1.0;
+  const float shade = t->scene->instance_count > 200 && mesh->index_count < 9000 ? instance_shade(index) : 1.0f;
+  double facing = 0.0;
+  for (int i = 0; i < 3; i++)
+    facing += normal[i] * surface->ray[i];
+  for (int i = 0; i < 3; i++) {
+    surface->normal[i] = (float)(facing > 0.0 ? -normal[i] : normal[i]);
+    surface->color[i] = t->scene->materials[mesh->material].color[i] * tint[i] * shade;
+  }
+}
+
+static void trace_pixel(const tracer *t, struct RTCIntersectContext *context, uint32_t column, uint32_t row) {
+  double origin[3], direction[3], reach;
+  pixel_ray(t, column, row, origin, direction, &reach);
+  struct RTCRayHit found = {.ray = {.org_x = (float)origin[0],
+                                    .org_y = (float)origin[1],
+                                    .org_z = (float)origin[2],
+                                    .dir_x = (float)direction[0],
+                                    .dir_y = (float)direction[1],
+                                    .dir_z = (float)direction[2],
+                                    .tfar = (float)reach,
+                                    .mask = 0xffffffffu},
+                            .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
+  rtcIntersect1(t->world, context, &found);
+  trace_surface *surface = &t->out[(size_t)row * t->width + column];
+  *surface = (trace_surface){.view_depth = -1.0};
+  for (int i = 0; i < 3; i++)
+    surface->ray[i] = (float)direction[i];
+  if (found.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+    return;
+  double position[3];
+  for (int i = 0; i < 3; i++) {
+    position[i] = origin[i] + found.ray.tfar * direction[i];
+    surface->position[i] = (float)position[i];
+  }
+  surface->distance = vec_length(position);
+  surface->view_depth = vec_dot(position, t->camera->forward);
+  fill_surface(t, &found, surface);
+}
+
+static void *trace_rows(void *argument) {
+  tracer *t = argument;
+  struct RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  for (uint32_t row = atomic_fetch_add(&t->next_row, 1); row < t->height; row = atomic_fetch_add(&t->next_row, 1))
+    for (uint32_t column = 0; column < t->width; column++)
+      trace_pixel(t, &context, column, row);
+  return NULL;
+}
+
+/* The calling thread works too, so a machine that gives no more threads still finishes. */
+static void trace_all(tracer *t) {
+  pthread_t threads[MAX_THREADS];
+  const long cores = sysconf(_SC_NPROCESSORS_ONLN);
+  long started = 0;
+  while (started < cores - 1 && started < MAX_THREADS && pthread_create(&threads[started], NULL, trace_rows, t) == 0)
+    started++;
+  trace_rows(t);
+  for (long i = 0; i < started; i++)
+    pthread_join(threads[i], NULL);
+}
+
+int trace_camera(const scene *s, const camera *from, uint32_t width, uint32_t height, trace_surface *out) {
+  tracer t = {.scene = s, .camera = from, .width = width, .height = height, .out = out};
+  int code = 0;
+  if (!mat_invert(t.unproject, from->projection) || !mat_invert(t.unview, from->view))
+    code = host_fail(HOST_BAD_INPUT, "the camera's matrices are singular");
+  else if (!build(&t))
+    code = host_fail(HOST_BAD_INPUT, "Embree could not take the scene");
+  else
+    trace_all(&t);
+  destroy(&t);
+  return code;
+}
