@@ -1,0 +1,234 @@
+/*
+ * d3d12.h: what the files of the D3D12 backend share. Direct3D 12 comes from vkd3d, opened at run time; nothing here
+ * is linked with it. Its COM methods use the Microsoft calling convention, which its headers declare.
+ */
+#ifndef CSM_BACKEND_D3D12_H
+#define CSM_BACKEND_D3D12_H
+
+#define COBJMACROS
+#define WIDL_C_INLINE_WRAPPERS
+#define VKD3D_NO_PROTOTYPES
+#include <vkd3d.h>
+
+#include "csm/csm.h"
+#include "gpu.h"
+#include <pthread.h>
+#include <stdarg.h>
+
+#define D3D12_MAX_SLOTS 8
+#define D3D12_MAX_BARRIERS 16
+#define D3D12_BINDING_BLOCKS 1024 /* bindings with textures that can exist at once */
+
+/* Every state in which shaders of any stage read an image. */
+#define D3D12_STATE_READABLE                                                                                           \
+  (D3D12_RESOURCE_STATE_PIXEL_SHADER_RESOURCE | D3D12_RESOURCE_STATE_NON_PIXEL_SHADER_RESOURCE)
+
+/* Every state in which a device buffer is read. */
+#define D3D12_STATE_GEOMETRY                                                                                           \
+  (D3D12_RESOURCE_STATE_VERTEX_AND_CONSTANT_BUFFER | D3D12_RESOURCE_STATE_INDEX_BUFFER |                               \
+   D3D12_RESOURCE_STATE_COPY_SOURCE)
+
+/* The libraries that an own device comes from, vkd3d's Vulkan instance, and the physical device chosen in it. */
+typedef struct d3d12_driver {
+  void *vulkan_library;
+  void *vkd3d_library;
+  PFN_vkGetInstanceProcAddr get_instance_proc;
+  PFN_vkd3d_create_instance create_instance;
+  PFN_vkd3d_instance_decref release_instance;
+  PFN_vkd3d_instance_get_vk_instance get_vk_instance;
+  PFN_vkd3d_create_device create_device;
+  PFN_vkd3d_serialize_root_signature serialize_root_signature;
+  struct vkd3d_instance *instance;
+  VkInstance vk_instance;
+  VkDebugUtilsMessengerEXT messenger;
+  VkPhysicalDevice physical_device;
+  gpu_device_info info;
+} d3d12_driver;
+
+/* What a fence signals from vkd3d's own thread. */
+typedef struct d3d12_event {
+  pthread_mutex_t mutex;
+  pthread_cond_t signaled_changed;
+  bool signaled;
+} d3d12_event;
+
+/* One recording in flight. */
+typedef struct d3d12_slot {
+  ID3D12CommandAllocator *allocator;
+  uint64_t fence_value; /* reached when the slot's last recording is done; 0: there was none */
+} d3d12_slot;
+
+/* Where a resource is in its life of states, and whether the recording in progress must bring it back to rest. */
+typedef struct d3d12_resource {
+  ID3D12Resource *handle;
+  D3D12_RESOURCE_STATES state;
+  D3D12_RESOURCE_STATES rest; /* that `end` returns it to */
+  bool touched;
+  struct d3d12_resource *next_touched;
+} d3d12_resource;
+
+struct gpu_buffer {
+  d3d12_resource resource;
+  gpu_buffer_kind kind;
+  uint64_t size;
+  D3D12_GPU_VIRTUAL_ADDRESS address;
+  void *memory;
+};
+
+struct gpu_image {
+  d3d12_resource resource;
+  gpu_image_info info;
+  uint64_t bytes;
+  ID3D12DescriptorHeap *clear_heap; /* depth: one view of all layers */
+};
+
+struct gpu_target {
+  gpu_image *depth, *color;
+  ID3D12DescriptorHeap *depth_heap, *color_heap; /* one view each */
+  D3D12_VIEWPORT viewport;
+  D3D12_RECT scissor;
+};
+
+struct gpu_program {
+  ID3D12RootSignature *signature;
+  ID3D12PipelineState *pipeline;
+  uint32_t constants_count;
+  uint32_t texture_count;
+  uint32_t stream_count;
+  uint32_t strides[GPU_MAX_STREAMS];
+};
+
+struct gpu_bindings {
+  uint32_t constants_count;
+  D3D12_GPU_VIRTUAL_ADDRESS constants[GPU_MAX_CONSTANTS];
+  bool has_textures;
+  uint32_t block;
+  D3D12_GPU_DESCRIPTOR_HANDLE textures;
+};
+
+/* What is bound while a pass is recorded, so that draws bind only what changes. */
+typedef struct d3d12_bound {
+  const gpu_program *program;
+  const gpu_buffer *streams[GPU_MAX_STREAMS];
+  uint64_t stream_offsets[GPU_MAX_STREAMS];
+  const gpu_buffer *indices;
+  uint32_t index_size;
+} d3d12_bound;
+
+struct gpu_device {
+  gpu_host host;
+  uint32_t slot_count;
+
+  d3d12_driver driver;
+  ID3D12Device *device;
+
+  /* An own device's queue, and how it is waited for */
+  ID3D12CommandQueue *queue;
+  ID3D12Fence *fence;
+  uint64_t fence_value;
+  d3d12_event event;
+  d3d12_slot slots[D3D12_MAX_SLOTS];
+  ID3D12GraphicsCommandList *list;
+
+  /* Shader-visible descriptors: blocks of GPU_MAX_TEXTURES, and a stack of the free ones */
+  ID3D12DescriptorHeap *descriptors;
+  uint32_t descriptor_size;
+  uint32_t free_block_count;
+  uint16_t free_blocks[D3D12_BINDING_BLOCKS];
+
+  /* GPU_MAX_TIMESTAMPS for each slot */
+  ID3D12QueryHeap *queries;
+  ID3D12Resource *query_results;
+  const uint64_t *query_ticks;
+  uint64_t ticks_per_second;
+
+  /* The recording in progress */
+  uint32_t slot;
+  uint32_t timestamp_count;
+  uint32_t barrier_count;
+  D3D12_RESOURCE_BARRIER barriers[D3D12_MAX_BARRIERS];
+  d3d12_resource *touched;
+  d3d12_bound bound;
+};
+
+/* ---- backend.c ---- */
+
+/* Writes the text of a failed opening, and returns `result`. */
+csm_result d3d12_refuse(const gpu_open_info *info, csm_result result, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+/* Sends a text to the host's log. */
+void d3d12_log(const gpu_host *host, int32_t level, const char *format, ...) __attribute__((format(printf, 3, 4)));
+/* What an HRESULT means. */
+csm_result d3d12_result(HRESULT hr);
+/* The same, on a device that may have been lost; a failure to do `what` is logged. */
+csm_result d3d12_check(const gpu_device *device, HRESULT hr, const char *what);
+/* Zeroed memory from the host, or NULL. */
+void *d3d12_new(const gpu_host *host, size_t size);
+/* Names an object for debuggers; NULL is no name. */
+void d3d12_name(ID3D12Object *object, const char *name);
+
+/* ---- driver.c: libraries, instance, physical device ---- */
+
+/* Opens the libraries, makes the instance, chooses and describes a device. Errors: NO_DEVICE, UNSUPPORTED (validation
+   that is not installed), DEVICE, OUT_OF_MEMORY; the driver is closed then. */
+csm_result d3d12_driver_open(d3d12_driver *driver, const gpu_open_info *info);
+void d3d12_driver_close(d3d12_driver *driver);
+
+/* ---- validation.c ---- */
+
+/* A vkGetInstanceProcAddr whose vkCreateInstance turns the Khronos validation layer on. */
+PFN_vkVoidFunction VKAPI_CALL d3d12_validated_proc(VkInstance instance, const char *name);
+bool d3d12_validation_is_installed(const d3d12_driver *driver);
+/* Sends the layer's messages to the host's log. */
+csm_result d3d12_validation_listen(d3d12_driver *driver, const gpu_host *host);
+void d3d12_validation_close(d3d12_driver *driver);
+
+/* ---- device.c ---- */
+csm_result d3d12_query(const gpu_open_info *info, gpu_device_info *out);
+csm_result d3d12_open(const gpu_open_info *info, gpu_device **out);
+void d3d12_close(gpu_device *device);
+void d3d12_describe(const gpu_device *device, gpu_device_info *out);
+csm_result d3d12_wait(gpu_device *device, uint32_t slot);
+/* Puts the next fence value behind what was submitted. */
+csm_result d3d12_signal(gpu_device *device);
+
+/* ---- resource.c ---- */
+DXGI_FORMAT d3d12_format(gpu_format format);
+/* A committed buffer in its heap's state. */
+HRESULT d3d12_commit_buffer(ID3D12Device *device, D3D12_HEAP_TYPE heap, uint64_t size, ID3D12Resource **out);
+csm_result d3d12_buffer_create(gpu_device *device, const gpu_buffer_info *info, gpu_buffer **out);
+void d3d12_buffer_destroy(gpu_device *device, gpu_buffer *buffer);
+void *d3d12_buffer_memory(gpu_buffer *buffer);
+csm_result d3d12_image_create(gpu_device *device, const gpu_image_info *info, gpu_image **out);
+void d3d12_image_destroy(gpu_device *device, gpu_image *image);
+uint64_t d3d12_image_bytes(const gpu_image *image);
+uint64_t d3d12_image_native(const gpu_image *image);
+csm_result d3d12_target_create(gpu_device *device, const gpu_target_info *info, gpu_target **out);
+void d3d12_target_destroy(gpu_device *device, gpu_target *target);
+
+/* ---- program.c ---- */
+csm_result d3d12_program_create(gpu_device *device, const gpu_program_info *info, gpu_program **out);
+void d3d12_program_destroy(gpu_device *device, gpu_program *program);
+csm_result d3d12_bindings_create(gpu_device *device, const gpu_bindings_info *info, gpu_bindings **out);
+void d3d12_bindings_destroy(gpu_device *device, gpu_bindings *bindings);
+
+/* ---- record.c ---- */
+csm_result d3d12_begin(gpu_device *device, uint32_t slot, void *native);
+void d3d12_marker_begin(gpu_device *device, const char *name);
+void d3d12_marker_end(gpu_device *device);
+void d3d12_timestamp(gpu_device *device, uint32_t index);
+void d3d12_copy_buffer(gpu_device *device, gpu_buffer *to, uint64_t to_offset, gpu_buffer *from, uint64_t from_offset,
+                       uint64_t size);
+void d3d12_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *from,
+                      uint32_t layer);
+void d3d12_clear_depth(gpu_device *device, gpu_image *image, float depth);
+void d3d12_pass_begin(gpu_device *device, gpu_target *target);
+void d3d12_pass_end(gpu_device *device);
+void d3d12_pass_program(gpu_device *device, gpu_program *program);
+void d3d12_pass_bind(gpu_device *device, gpu_bindings *bindings, const uint32_t *offsets);
+void d3d12_pass_draw(gpu_device *device, const gpu_draw *draw);
+void d3d12_make_readable(gpu_device *device, gpu_image *image);
+csm_result d3d12_end(gpu_device *device);
+csm_result d3d12_timestamps(gpu_device *device, uint32_t slot, uint32_t count, uint64_t *nanoseconds);
+
+#endif

@@ -1,0 +1,217 @@
+/* program.c: pipelines with their root signatures, and what they read. Root parameters: a constant buffer each for b0
+   and on, then one table with t0 and on; samplers are static. */
+#include "d3d12.h"
+
+static D3D12_STATIC_SAMPLER_DESC static_sampler(gpu_sampler sampler, uint32_t shader_register) {
+  static const D3D12_FILTER filters[] = {
+      [GPU_SAMPLER_POINT_CLAMP] = D3D12_FILTER_MIN_MAG_MIP_POINT,
+      [GPU_SAMPLER_LINEAR_CLAMP] = D3D12_FILTER_MIN_MAG_LINEAR_MIP_POINT,
+      [GPU_SAMPLER_COMPARE_LESS_EQUAL] = D3D12_FILTER_COMPARISON_MIN_MAG_LINEAR_MIP_POINT,
+  };
+  return (D3D12_STATIC_SAMPLER_DESC){
+      .Filter = filters[sampler],
+      .AddressU = D3D12_TEXTURE_ADDRESS_MODE_CLAMP,
+      .AddressV = D3D12_TEXTURE_ADDRESS_MODE_CLAMP,
+      .AddressW = D3D12_TEXTURE_ADDRESS_MODE_CLAMP,
+      .ComparisonFunc = D3D12_COMPARISON_FUNC_LESS_EQUAL,
+      .MaxLOD = D3D12_FLOAT32_MAX,
+      .ShaderRegister = shader_register,
+      .ShaderVisibility = D3D12_SHADER_VISIBILITY_ALL,
+  };
+}
+
+static HRESULT create_signature(gpu_device *device, const gpu_program_info *info, ID3D12RootSignature **out) {
+  D3D12_ROOT_PARAMETER parameters[GPU_MAX_CONSTANTS + 1];
+  D3D12_STATIC_SAMPLER_DESC samplers[GPU_MAX_SAMPLERS];
+  const D3D12_DESCRIPTOR_RANGE textures = {
+      .RangeType = D3D12_DESCRIPTOR_RANGE_TYPE_SRV,
+      .NumDescriptors = info->texture_count,
+  };
+  uint32_t count = 0;
+  for (; count < info->constants_count; ++count)
+    parameters[count] = (D3D12_ROOT_PARAMETER){
+        .ParameterType = D3D12_ROOT_PARAMETER_TYPE_CBV,
+        .Descriptor = {.ShaderRegister = count},
+        .ShaderVisibility = D3D12_SHADER_VISIBILITY_ALL,
+    };
+  if (info->texture_count)
+    parameters[count++] = (D3D12_ROOT_PARAMETER){
+        .ParameterType = D3D12_ROOT_PARAMETER_TYPE_DESCRIPTOR_TABLE,
+        .DescriptorTable = {.NumDescriptorRanges = 1, .pDescriptorRanges = &textures},
+        .ShaderVisibility = D3D12_SHADER_VISIBILITY_ALL,
+    };
+  for (uint32_t i = 0; i < info->sampler_count; ++i)
+    samplers[i] = static_sampler(info->samplers[i], i);
+  const D3D12_ROOT_SIGNATURE_DESC signature = {
+      .NumParameters = count,
+      .pParameters = parameters,
+      .NumStaticSamplers = info->sampler_count,
+      .pStaticSamplers = samplers,
+      .Flags = D3D12_ROOT_SIGNATURE_FLAG_ALLOW_INPUT_ASSEMBLER_INPUT_LAYOUT,
+  };
+  ID3DBlob *blob = NULL;
+  HRESULT hr = device->driver.serialize_root_signature(&signature, D3D_ROOT_SIGNATURE_VERSION_1_0, &blob, NULL);
+  if (FAILED(hr))
+    return hr;
+  hr = ID3D12Device_CreateRootSignature(device->device, 0, ID3D10Blob_GetBufferPointer(blob),
+                                        ID3D10Blob_GetBufferSize(blob), &IID_ID3D12RootSignature, (void **)out);
+  ID3D10Blob_Release(blob);
+  return hr;
+}
+
+static void fill_input(const gpu_program_info *info, D3D12_INPUT_ELEMENT_DESC *elements) {
+  for (uint32_t i = 0; i < info->attribute_count; ++i) {
+    const gpu_attribute *attribute = &info->attributes[i];
+    const bool per_instance = info->streams[attribute->stream].per_instance;
+    elements[i] = (D3D12_INPUT_ELEMENT_DESC){
+        .SemanticName = "ATTRIBUTE",
+        .SemanticIndex = i,
+        .Format = d3d12_format(attribute->format),
+        .InputSlot = attribute->stream,
+        .AlignedByteOffset = attribute->offset,
+        .InputSlotClass =
+            per_instance ? D3D12_INPUT_CLASSIFICATION_PER_INSTANCE_DATA : D3D12_INPUT_CLASSIFICATION_PER_VERTEX_DATA,
+        .InstanceDataStepRate = per_instance ? 1 : 0,
+    };
+  }
+}
+
+static D3D12_CULL_MODE cull_mode(gpu_cull cull) {
+  switch (cull) {
+  case GPU_CULL_BACK:
+    return D3D12_CULL_MODE_BACK;
+  case GPU_CULL_FRONT:
+    return D3D12_CULL_MODE_FRONT;
+  case GPU_CULL_NONE:
+    break;
+  }
+  return D3D12_CULL_MODE_NONE;
+}
+
+static HRESULT create_pipeline(gpu_device *device, const gpu_program_info *info, ID3D12RootSignature *signature,
+                               ID3D12PipelineState **out) {
+  D3D12_INPUT_ELEMENT_DESC elements[GPU_MAX_ATTRIBUTES];
+  fill_input(info, elements);
+  const bool test = info->depth_compare != GPU_COMPARE_NONE;
+  const bool color = info->color_format != GPU_FORMAT_NONE;
+  const D3D12_DEPTH_STENCILOP_DESC keep = {
+      .StencilFailOp = D3D12_STENCIL_OP_KEEP,
+      .StencilDepthFailOp = D3D12_STENCIL_OP_KEEP,
+      .StencilPassOp = D3D12_STENCIL_OP_KEEP,
+      .StencilFunc = D3D12_COMPARISON_FUNC_ALWAYS,
+  };
+  const D3D12_GRAPHICS_PIPELINE_STATE_DESC pipeline = {
+      .pRootSignature = signature,
+      .VS = {.pShaderBytecode = info->vertex.dxbc, .BytecodeLength = info->vertex.dxbc_size},
+      .PS = {.pShaderBytecode = info->pixel.dxbc_size ? info->pixel.dxbc : NULL,
+             .BytecodeLength = info->pixel.dxbc_size},
+      .BlendState = {.RenderTarget = {{.SrcBlend = D3D12_BLEND_ONE,
+                                       .DestBlend = D3D12_BLEND_ZERO,
+                                       .BlendOp = D3D12_BLEND_OP_ADD,
+                                       .SrcBlendAlpha = D3D12_BLEND_ONE,
+                                       .DestBlendAlpha = D3D12_BLEND_ZERO,
+                                       .BlendOpAlpha = D3D12_BLEND_OP_ADD,
+                                       .LogicOp = D3D12_LOGIC_OP_NOOP,
+                                       .RenderTargetWriteMask = D3D12_COLOR_WRITE_ENABLE_ALL}}},
+      .SampleMask = ~0u,
+      .RasterizerState = {.FillMode = D3D12_FILL_MODE_SOLID,
+                          .CullMode = cull_mode(info->cull),
+                          .FrontCounterClockwise = TRUE,
+                          .DepthClipEnable = FALSE},
+      .DepthStencilState = {.DepthEnable = test,
+                            .DepthWriteMask = test ? D3D12_DEPTH_WRITE_MASK_ALL : D3D12_DEPTH_WRITE_MASK_ZERO,
+                            .DepthFunc = info->depth_compare == GPU_COMPARE_GREATER ? D3D12_COMPARISON_FUNC_GREATER
+                                                                                    : D3D12_COMPARISON_FUNC_LESS,
+                            .FrontFace = keep,
+                            .BackFace = keep},
+      .InputLayout = {.pInputElementDescs = elements, .NumElements = info->attribute_count},
+      .PrimitiveTopologyType = D3D12_PRIMITIVE_TOPOLOGY_TYPE_TRIANGLE,
+      .NumRenderTargets = color ? 1 : 0,
+      .RTVFormats = {d3d12_format(info->color_format)},
+      .DSVFormat = d3d12_format(info->depth_format),
+      .SampleDesc = {.Count = 1},
+  };
+  return ID3D12Device_CreateGraphicsPipelineState(device->device, &pipeline, &IID_ID3D12PipelineState, (void **)out);
+}
+
+csm_result d3d12_program_create(gpu_device *device, const gpu_program_info *info, gpu_program **out) {
+  *out = NULL;
+  gpu_program *program = d3d12_new(&device->host, sizeof *program);
+  if (!program)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  program->constants_count = info->constants_count;
+  program->texture_count = info->texture_count;
+  program->stream_count = info->stream_count;
+  for (uint32_t i = 0; i < info->stream_count; ++i)
+    program->strides[i] = info->streams[i].stride;
+  HRESULT hr = create_signature(device, info, &program->signature);
+  if (SUCCEEDED(hr))
+    hr = create_pipeline(device, info, program->signature, &program->pipeline);
+  if (FAILED(hr)) {
+    d3d12_program_destroy(device, program);
+    return d3d12_check(device, hr, "making a program");
+  }
+  d3d12_name((ID3D12Object *)program->pipeline, info->name);
+  *out = program;
+  return CSM_SUCCESS;
+}
+
+void d3d12_program_destroy(gpu_device *device, gpu_program *program) {
+  if (!program)
+    return;
+  if (program->pipeline)
+    ID3D12PipelineState_Release(program->pipeline);
+  if (program->signature)
+    ID3D12RootSignature_Release(program->signature);
+  device->host.release(device->host.user, program);
+}
+
+static void create_texture_view(gpu_device *device, gpu_image *image, D3D12_CPU_DESCRIPTOR_HANDLE where) {
+  const bool depth = image->info.format == GPU_FORMAT_D32_FLOAT;
+  D3D12_SHADER_RESOURCE_VIEW_DESC view = {
+      .Format = depth ? DXGI_FORMAT_R32_FLOAT : d3d12_format(image->info.format),
+      .Shader4ComponentMapping = D3D12_DEFAULT_SHADER_4_COMPONENT_MAPPING,
+  };
+  if (image->info.array) {
+    view.ViewDimension = D3D12_SRV_DIMENSION_TEXTURE2DARRAY;
+    view.Texture2DArray = (D3D12_TEX2D_ARRAY_SRV){.MipLevels = 1, .ArraySize = image->info.layers};
+  } else {
+    view.ViewDimension = D3D12_SRV_DIMENSION_TEXTURE2D;
+    view.Texture2D = (D3D12_TEX2D_SRV){.MipLevels = 1};
+  }
+  ID3D12Device_CreateShaderResourceView(device->device, image->resource.handle, &view, where);
+}
+
+csm_result d3d12_bindings_create(gpu_device *device, const gpu_bindings_info *info, gpu_bindings **out) {
+  *out = NULL;
+  const uint32_t texture_count = info->program->texture_count;
+  if (texture_count && device->free_block_count == 0)
+    return CSM_ERROR_OUT_OF_DEVICE_MEMORY;
+  gpu_bindings *bindings = d3d12_new(&device->host, sizeof *bindings);
+  if (!bindings)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  bindings->constants_count = info->program->constants_count;
+  for (uint32_t i = 0; i < bindings->constants_count; ++i)
+    bindings->constants[i] = info->constants[i]->address;
+  if (texture_count) {
+    bindings->has_textures = true;
+    bindings->block = device->free_blocks[--device->free_block_count];
+    const size_t offset = (size_t)bindings->block * GPU_MAX_TEXTURES * device->descriptor_size;
+    D3D12_CPU_DESCRIPTOR_HANDLE where = ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(device->descriptors);
+    bindings->textures = ID3D12DescriptorHeap_GetGPUDescriptorHandleForHeapStart(device->descriptors);
+    bindings->textures.ptr += offset;
+    where.ptr += offset;
+    for (uint32_t i = 0; i < texture_count; ++i, where.ptr += device->descriptor_size)
+      create_texture_view(device, info->textures[i], where);
+  }
+  *out = bindings;
+  return CSM_SUCCESS;
+}
+
+void d3d12_bindings_destroy(gpu_device *device, gpu_bindings *bindings) {
+  if (!bindings)
+    return;
+  if (bindings->has_textures)
+    device->free_blocks[device->free_block_count++] = (uint16_t)bindings->block;
+  device->host.release(device->host.user, bindings);
+}

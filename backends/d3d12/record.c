@@ -1,0 +1,266 @@
+/*
+ * record.c: recording. States are kept in the order of recording, and barriers are gathered until the next command
+ * that needs them.
+ *
+ * Images rest, between recordings, in the state that shaders read them in. Buffers of the device's own memory are in
+ * COMMON between recordings, as D3D12 has it, and are promoted by their first use; a copy into one is followed by a
+ * barrier before the next pass and before the end. That a copy need not wait for earlier recordings' reads is the
+ * front's word: it writes only where no recording in flight reads.
+ */
+#include "d3d12.h"
+
+static void flush_barriers(gpu_device *device) {
+  if (device->barrier_count)
+    ID3D12GraphicsCommandList_ResourceBarrier(device->list, device->barrier_count, device->barriers);
+  device->barrier_count = 0;
+}
+
+/* Moves a whole resource to another state, with the next flush. */
+static void transition(gpu_device *device, d3d12_resource *resource, D3D12_RESOURCE_STATES state) {
+  if (resource->state == state)
+    return;
+  if (device->barrier_count == D3D12_MAX_BARRIERS)
+    flush_barriers(device);
+  device->barriers[device->barrier_count++] = (D3D12_RESOURCE_BARRIER){
+      .Type = D3D12_RESOURCE_BARRIER_TYPE_TRANSITION,
+      .Transition = {.pResource = resource->handle,
+                     .Subresource = D3D12_RESOURCE_BARRIER_ALL_SUBRESOURCES,
+                     .StateBefore = resource->state,
+                     .StateAfter = state},
+  };
+  resource->state = state;
+}
+
+/* Remembers that `end` must bring the resource back to rest. */
+static void touch(gpu_device *device, d3d12_resource *resource) {
+  if (resource->touched)
+    return;
+  resource->touched = true;
+  resource->next_touched = device->touched;
+  device->touched = resource;
+}
+
+static void use_image(gpu_device *device, gpu_image *image, D3D12_RESOURCE_STATES state) {
+  touch(device, &image->resource);
+  transition(device, &image->resource, state);
+}
+
+csm_result d3d12_begin(gpu_device *device, uint32_t slot, void *native) {
+  if (native)
+    return CSM_ERROR_UNSUPPORTED;
+  csm_result result = d3d12_wait(device, slot);
+  if (result != CSM_SUCCESS)
+    return result;
+  ID3D12CommandAllocator *allocator = device->slots[slot].allocator;
+  HRESULT hr = ID3D12CommandAllocator_Reset(allocator);
+  if (SUCCEEDED(hr))
+    hr = ID3D12GraphicsCommandList_Reset(device->list, allocator, NULL);
+  if (FAILED(hr))
+    return d3d12_check(device, hr, "beginning a recording");
+  ID3D12GraphicsCommandList_SetDescriptorHeaps(device->list, 1, &device->descriptors);
+  device->slot = slot;
+  device->timestamp_count = 0;
+  return CSM_SUCCESS;
+}
+
+/* vkd3d's event markers do nothing but print a line for every call, so there are none. */
+void d3d12_marker_begin(gpu_device *device, const char *name) {
+  (void)device;
+  (void)name;
+}
+
+void d3d12_marker_end(gpu_device *device) {
+  (void)device;
+}
+
+void d3d12_timestamp(gpu_device *device, uint32_t index) {
+  flush_barriers(device);
+  ID3D12GraphicsCommandList_EndQuery(device->list, device->queries, D3D12_QUERY_TYPE_TIMESTAMP,
+                                     device->slot * GPU_MAX_TIMESTAMPS + index);
+  if (device->timestamp_count <= index)
+    device->timestamp_count = index + 1;
+}
+
+void d3d12_copy_buffer(gpu_device *device, gpu_buffer *to, uint64_t to_offset, gpu_buffer *from, uint64_t from_offset,
+                       uint64_t size) {
+  if (to->kind == GPU_BUFFER_DEVICE) {
+    touch(device, &to->resource);
+    if (to->resource.state == D3D12_RESOURCE_STATE_COMMON)
+      to->resource.state = D3D12_RESOURCE_STATE_COPY_DEST;
+    transition(device, &to->resource, D3D12_RESOURCE_STATE_COPY_DEST);
+  }
+  if (from->kind == GPU_BUFFER_DEVICE && from->resource.touched)
+    transition(device, &from->resource, D3D12_STATE_GEOMETRY);
+  flush_barriers(device);
+  ID3D12GraphicsCommandList_CopyBufferRegion(device->list, to->resource.handle, to_offset, from->resource.handle,
+                                             from_offset, size);
+}
+
+void d3d12_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *from,
+                      uint32_t layer) {
+  const gpu_image_info *info = &from->info;
+  const bool depth = info->format == GPU_FORMAT_D32_FLOAT;
+  const D3D12_TEXTURE_COPY_LOCATION source = {
+      .pResource = from->resource.handle,
+      .Type = D3D12_TEXTURE_COPY_TYPE_SUBRESOURCE_INDEX,
+      .SubresourceIndex = layer,
+  };
+  const D3D12_TEXTURE_COPY_LOCATION destination = {
+      .pResource = to->resource.handle,
+      .Type = D3D12_TEXTURE_COPY_TYPE_PLACED_FOOTPRINT,
+      .PlacedFootprint = {.Offset = offset,
+                          .Footprint = {.Format = depth ? DXGI_FORMAT_R32_TYPELESS : d3d12_format(info->format),
+                                        .Width = info->width,
+                                        .Height = info->height,
+                                        .Depth = 1,
+                                        .RowPitch = row_bytes}},
+  };
+  use_image(device, from, D3D12_RESOURCE_STATE_COPY_SOURCE);
+  flush_barriers(device);
+  ID3D12GraphicsCommandList_CopyTextureRegion(device->list, &destination, 0, 0, 0, &source, NULL);
+}
+
+void d3d12_clear_depth(gpu_device *device, gpu_image *image, float depth) {
+  use_image(device, image, D3D12_RESOURCE_STATE_DEPTH_WRITE);
+  flush_barriers(device);
+  ID3D12GraphicsCommandList_ClearDepthStencilView(
+      device->list, ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(image->clear_heap), D3D12_CLEAR_FLAG_DEPTH,
+      depth, 0, 0, NULL);
+}
+
+/* What was copied becomes readable: a pass may draw from it. */
+static void settle_buffers(gpu_device *device) {
+  for (d3d12_resource *resource = device->touched; resource; resource = resource->next_touched)
+    if (resource->state == D3D12_RESOURCE_STATE_COPY_DEST)
+      transition(device, resource, D3D12_STATE_GEOMETRY);
+}
+
+void d3d12_pass_begin(gpu_device *device, gpu_target *target) {
+  D3D12_CPU_DESCRIPTOR_HANDLE depth = {0}, color = {0};
+  if (target->depth) {
+    use_image(device, target->depth, D3D12_RESOURCE_STATE_DEPTH_WRITE);
+    depth = ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(target->depth_heap);
+  }
+  if (target->color) {
+    use_image(device, target->color, D3D12_RESOURCE_STATE_RENDER_TARGET);
+    color = ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(target->color_heap);
+  }
+  settle_buffers(device);
+  flush_barriers(device);
+  ID3D12GraphicsCommandList_OMSetRenderTargets(device->list, target->color ? 1 : 0, target->color ? &color : NULL,
+                                               FALSE, target->depth ? &depth : NULL);
+  ID3D12GraphicsCommandList_RSSetViewports(device->list, 1, &target->viewport);
+  ID3D12GraphicsCommandList_RSSetScissorRects(device->list, 1, &target->scissor);
+}
+
+void d3d12_pass_end(gpu_device *device) {
+  (void)device; /* D3D12 has no passes: the next barrier or target ends this one */
+}
+
+void d3d12_pass_program(gpu_device *device, gpu_program *program) {
+  ID3D12GraphicsCommandList_SetGraphicsRootSignature(device->list, program->signature);
+  ID3D12GraphicsCommandList_SetPipelineState(device->list, program->pipeline);
+  ID3D12GraphicsCommandList_IASetPrimitiveTopology(device->list, D3D_PRIMITIVE_TOPOLOGY_TRIANGLELIST);
+  device->bound = (d3d12_bound){.program = program};
+}
+
+void d3d12_pass_bind(gpu_device *device, gpu_bindings *bindings, const uint32_t *offsets) {
+  for (uint32_t i = 0; i < bindings->constants_count; ++i)
+    ID3D12GraphicsCommandList_SetGraphicsRootConstantBufferView(device->list, i, bindings->constants[i] + offsets[i]);
+  if (bindings->has_textures)
+    ID3D12GraphicsCommandList_SetGraphicsRootDescriptorTable(device->list, bindings->constants_count,
+                                                             bindings->textures);
+}
+
+/* Views hold 32-bit sizes; what lies beyond is out of reach of 32-bit indices of the caller's. */
+static UINT view_size(const gpu_buffer *buffer, uint64_t offset) {
+  const uint64_t size = buffer->size - offset;
+  return size < UINT32_MAX ? (UINT)size : UINT32_MAX;
+}
+
+static void bind_stream(gpu_device *device, uint32_t index, const gpu_buffer *buffer, uint64_t offset) {
+  d3d12_bound *bound = &device->bound;
+  if (bound->streams[index] == buffer && bound->stream_offsets[index] == offset)
+    return;
+  const D3D12_VERTEX_BUFFER_VIEW view = {
+      .BufferLocation = buffer->address + offset,
+      .SizeInBytes = view_size(buffer, offset),
+      .StrideInBytes = bound->program->strides[index],
+  };
+  ID3D12GraphicsCommandList_IASetVertexBuffers(device->list, index, 1, &view);
+  bound->streams[index] = buffer;
+  bound->stream_offsets[index] = offset;
+}
+
+/* Binds a buffer from its beginning, so that meshes in one page share the view; draws say where they start. */
+static void bind_indices(gpu_device *device, const gpu_buffer *buffer, uint32_t index_size) {
+  d3d12_bound *bound = &device->bound;
+  if (bound->indices == buffer && bound->index_size == index_size)
+    return;
+  const D3D12_INDEX_BUFFER_VIEW view = {
+      .BufferLocation = buffer->address,
+      .SizeInBytes = view_size(buffer, 0),
+      .Format = index_size == 2 ? DXGI_FORMAT_R16_UINT : DXGI_FORMAT_R32_UINT,
+  };
+  ID3D12GraphicsCommandList_IASetIndexBuffer(device->list, &view);
+  bound->indices = buffer;
+  bound->index_size = index_size;
+}
+
+void d3d12_pass_draw(gpu_device *device, const gpu_draw *draw) {
+  for (uint32_t i = 0; i < device->bound.program->stream_count; ++i)
+    bind_stream(device, i, draw->streams[i], draw->stream_offsets[i]);
+  if (!draw->indices) {
+    ID3D12GraphicsCommandList_DrawInstanced(device->list, draw->count, draw->instance_count, 0, 0);
+    return;
+  }
+  bind_indices(device, draw->indices, draw->index_size);
+  ID3D12GraphicsCommandList_DrawIndexedInstanced(device->list, draw->count, draw->instance_count,
+                                                 (UINT)(draw->index_offset / draw->index_size), 0, 0);
+}
+
+void d3d12_make_readable(gpu_device *device, gpu_image *image) {
+  use_image(device, image, D3D12_STATE_READABLE);
+}
+
+/* Brings everything back to rest. */
+static void rest(gpu_device *device) {
+  for (d3d12_resource *resource = device->touched, *next; resource; resource = next) {
+    next = resource->next_touched;
+    transition(device, resource, resource->rest);
+    if (resource->rest == D3D12_STATE_GEOMETRY)
+      resource->state = D3D12_RESOURCE_STATE_COMMON; /* where D3D12 lets buffers decay to when a recording is done */
+    resource->touched = false;
+  }
+  device->touched = NULL;
+  flush_barriers(device);
+}
+
+csm_result d3d12_end(gpu_device *device) {
+  const uint32_t first = device->slot * GPU_MAX_TIMESTAMPS;
+  rest(device);
+  if (device->timestamp_count)
+    ID3D12GraphicsCommandList_ResolveQueryData(device->list, device->queries, D3D12_QUERY_TYPE_TIMESTAMP, first,
+                                               device->timestamp_count, device->query_results,
+                                               first * sizeof(uint64_t));
+  const HRESULT hr = ID3D12GraphicsCommandList_Close(device->list);
+  if (FAILED(hr))
+    return d3d12_check(device, hr, "ending a recording");
+  ID3D12CommandList *const list = (ID3D12CommandList *)device->list;
+  ID3D12CommandQueue_ExecuteCommandLists(device->queue, 1, &list);
+  const csm_result result = d3d12_signal(device);
+  if (result == CSM_SUCCESS)
+    device->slots[device->slot].fence_value = device->fence_value;
+  return result;
+}
+
+csm_result d3d12_timestamps(gpu_device *device, uint32_t slot, uint32_t count, uint64_t *nanoseconds) {
+  const csm_result result = d3d12_wait(device, slot);
+  if (result != CSM_SUCCESS)
+    return result;
+  const uint64_t *ticks = device->query_ticks + slot * GPU_MAX_TIMESTAMPS;
+  const uint64_t rate = device->ticks_per_second;
+  for (uint32_t i = 0; i < count; ++i)
+    nanoseconds[i] = ticks[i] / rate * 1000000000u + ticks[i] % rate * 1000000000u / rate;
+  return CSM_SUCCESS;
+}

@@ -1,0 +1,228 @@
+/*
+ * resource.c: buffers, images and targets. Every resource is committed, which takes one allocation of the driver's
+ * each: the front makes few and large ones (pages of geometry, a ring per slot, arrays of maps).
+ */
+#include "d3d12.h"
+
+static void release_heap(ID3D12DescriptorHeap *heap) {
+  if (heap)
+    ID3D12DescriptorHeap_Release(heap);
+}
+
+static HRESULT create_view_heap(gpu_device *device, D3D12_DESCRIPTOR_HEAP_TYPE type, ID3D12DescriptorHeap **out) {
+  const D3D12_DESCRIPTOR_HEAP_DESC heap = {.Type = type, .NumDescriptors = 1};
+  return ID3D12Device_CreateDescriptorHeap(device->device, &heap, &IID_ID3D12DescriptorHeap, (void **)out);
+}
+
+/* A depth view of `layer_count` layers from `layer` on, in a heap of its own. */
+static HRESULT create_depth_view(gpu_device *device, gpu_image *image, uint32_t layer, uint32_t layer_count,
+                                 ID3D12DescriptorHeap **out) {
+  const D3D12_DEPTH_STENCIL_VIEW_DESC view = {
+      .Format = DXGI_FORMAT_D32_FLOAT,
+      .ViewDimension = D3D12_DSV_DIMENSION_TEXTURE2DARRAY,
+      .Texture2DArray = {.FirstArraySlice = layer, .ArraySize = layer_count},
+  };
+  const HRESULT hr = create_view_heap(device, D3D12_DESCRIPTOR_HEAP_TYPE_DSV, out);
+  if (SUCCEEDED(hr))
+    ID3D12Device_CreateDepthStencilView(device->device, image->resource.handle, &view,
+                                        ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(*out));
+  return hr;
+}
+
+static HRESULT create_color_view(gpu_device *device, gpu_image *image, uint32_t layer, ID3D12DescriptorHeap **out) {
+  const D3D12_RENDER_TARGET_VIEW_DESC view = {
+      .Format = d3d12_format(image->info.format),
+      .ViewDimension = D3D12_RTV_DIMENSION_TEXTURE2DARRAY,
+      .Texture2DArray = {.FirstArraySlice = layer, .ArraySize = 1},
+  };
+  const HRESULT hr = create_view_heap(device, D3D12_DESCRIPTOR_HEAP_TYPE_RTV, out);
+  if (SUCCEEDED(hr))
+    ID3D12Device_CreateRenderTargetView(device->device, image->resource.handle, &view,
+                                        ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(*out));
+  return hr;
+}
+
+DXGI_FORMAT d3d12_format(gpu_format format) {
+  switch (format) {
+  case GPU_FORMAT_D32_FLOAT:
+    return DXGI_FORMAT_D32_FLOAT;
+  case GPU_FORMAT_R8_UNORM:
+    return DXGI_FORMAT_R8_UNORM;
+  case GPU_FORMAT_RG32_FLOAT:
+    return DXGI_FORMAT_R32G32_FLOAT;
+  case GPU_FORMAT_RGB32_FLOAT:
+    return DXGI_FORMAT_R32G32B32_FLOAT;
+  case GPU_FORMAT_RGBA32_FLOAT:
+    return DXGI_FORMAT_R32G32B32A32_FLOAT;
+  case GPU_FORMAT_NONE:
+    break;
+  }
+  return DXGI_FORMAT_UNKNOWN;
+}
+
+/* The state that a buffer of each heap begins in; those of upload and readback heaps stay in it. */
+static D3D12_RESOURCE_STATES heap_state(D3D12_HEAP_TYPE heap) {
+  switch (heap) {
+  case D3D12_HEAP_TYPE_UPLOAD:
+    return D3D12_RESOURCE_STATE_GENERIC_READ;
+  case D3D12_HEAP_TYPE_READBACK:
+    return D3D12_RESOURCE_STATE_COPY_DEST;
+  default:
+    return D3D12_RESOURCE_STATE_COMMON;
+  }
+}
+
+HRESULT d3d12_commit_buffer(ID3D12Device *device, D3D12_HEAP_TYPE heap, uint64_t size, ID3D12Resource **out) {
+  const D3D12_HEAP_PROPERTIES properties = {.Type = heap};
+  const D3D12_RESOURCE_DESC resource = {
+      .Dimension = D3D12_RESOURCE_DIMENSION_BUFFER,
+      .Width = size,
+      .Height = 1,
+      .DepthOrArraySize = 1,
+      .MipLevels = 1,
+      .SampleDesc = {.Count = 1},
+      .Layout = D3D12_TEXTURE_LAYOUT_ROW_MAJOR,
+  };
+  return ID3D12Device_CreateCommittedResource(device, &properties, D3D12_HEAP_FLAG_NONE, &resource, heap_state(heap),
+                                              NULL, &IID_ID3D12Resource, (void **)out);
+}
+
+static D3D12_HEAP_TYPE heap_type(gpu_buffer_kind kind) {
+  switch (kind) {
+  case GPU_BUFFER_UPLOAD:
+    return D3D12_HEAP_TYPE_UPLOAD;
+  case GPU_BUFFER_READBACK:
+    return D3D12_HEAP_TYPE_READBACK;
+  case GPU_BUFFER_DEVICE:
+    break;
+  }
+  return D3D12_HEAP_TYPE_DEFAULT;
+}
+
+csm_result d3d12_buffer_create(gpu_device *device, const gpu_buffer_info *info, gpu_buffer **out) {
+  *out = NULL;
+  gpu_buffer *buffer = d3d12_new(&device->host, sizeof *buffer);
+  if (!buffer)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  const D3D12_HEAP_TYPE heap = heap_type(info->kind);
+  buffer->kind = info->kind;
+  buffer->size = info->size;
+  buffer->resource.state = heap_state(heap);
+  buffer->resource.rest = D3D12_STATE_GEOMETRY;
+  HRESULT hr = d3d12_commit_buffer(device->device, heap, info->size, &buffer->resource.handle);
+  if (SUCCEEDED(hr) && info->kind != GPU_BUFFER_DEVICE)
+    hr = ID3D12Resource_Map(buffer->resource.handle, 0, NULL, &buffer->memory);
+  if (FAILED(hr)) {
+    d3d12_buffer_destroy(device, buffer);
+    return d3d12_check(device, hr, "making a buffer");
+  }
+  buffer->address = ID3D12Resource_GetGPUVirtualAddress(buffer->resource.handle);
+  d3d12_name((ID3D12Object *)buffer->resource.handle, info->name);
+  *out = buffer;
+  return CSM_SUCCESS;
+}
+
+void d3d12_buffer_destroy(gpu_device *device, gpu_buffer *buffer) {
+  if (!buffer)
+    return;
+  if (buffer->resource.handle)
+    ID3D12Resource_Release(buffer->resource.handle);
+  device->host.release(device->host.user, buffer);
+}
+
+void *d3d12_buffer_memory(gpu_buffer *buffer) {
+  return buffer->memory;
+}
+
+static HRESULT commit_image(gpu_device *device, gpu_image *image) {
+  const gpu_image_info *info = &image->info;
+  const bool depth = info->format == GPU_FORMAT_D32_FLOAT;
+  const D3D12_HEAP_PROPERTIES heap = {.Type = D3D12_HEAP_TYPE_DEFAULT};
+  const D3D12_RESOURCE_DESC resource = {
+      .Dimension = D3D12_RESOURCE_DIMENSION_TEXTURE2D,
+      .Width = info->width,
+      .Height = info->height,
+      .DepthOrArraySize = (UINT16)info->layers,
+      .MipLevels = 1,
+      .Format = depth ? DXGI_FORMAT_R32_TYPELESS : d3d12_format(info->format),
+      .SampleDesc = {.Count = 1},
+      .Flags = depth ? D3D12_RESOURCE_FLAG_ALLOW_DEPTH_STENCIL : D3D12_RESOURCE_FLAG_ALLOW_RENDER_TARGET,
+  };
+  /* The state of the first use, a clear or a pass: vkd3d moves an image out of Vulkan's undefined layout only when it
+     is used so, not when a descriptor reads it. */
+  image->resource.state = depth ? D3D12_RESOURCE_STATE_DEPTH_WRITE : D3D12_RESOURCE_STATE_RENDER_TARGET;
+  image->resource.rest = info->usage & GPU_IMAGE_SAMPLED ? D3D12_STATE_READABLE : image->resource.state;
+  const D3D12_RESOURCE_ALLOCATION_INFO allocation =
+      ID3D12Device_GetResourceAllocationInfo(device->device, 0, 1, &resource);
+  image->bytes = allocation.SizeInBytes;
+  HRESULT hr = ID3D12Device_CreateCommittedResource(device->device, &heap, D3D12_HEAP_FLAG_NONE, &resource,
+                                                    image->resource.state, NULL, &IID_ID3D12Resource,
+                                                    (void **)&image->resource.handle);
+  if (SUCCEEDED(hr) && depth)
+    hr = create_depth_view(device, image, 0, info->layers, &image->clear_heap);
+  return hr;
+}
+
+csm_result d3d12_image_create(gpu_device *device, const gpu_image_info *info, gpu_image **out) {
+  *out = NULL;
+  gpu_image *image = d3d12_new(&device->host, sizeof *image);
+  if (!image)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  image->info = *info;
+  const HRESULT hr = commit_image(device, image);
+  if (FAILED(hr)) {
+    d3d12_image_destroy(device, image);
+    return d3d12_check(device, hr, "making an image");
+  }
+  d3d12_name((ID3D12Object *)image->resource.handle, info->name);
+  *out = image;
+  return CSM_SUCCESS;
+}
+
+void d3d12_image_destroy(gpu_device *device, gpu_image *image) {
+  if (!image)
+    return;
+  release_heap(image->clear_heap);
+  if (image->resource.handle)
+    ID3D12Resource_Release(image->resource.handle);
+  device->host.release(device->host.user, image);
+}
+
+uint64_t d3d12_image_bytes(const gpu_image *image) {
+  return image->bytes;
+}
+
+uint64_t d3d12_image_native(const gpu_image *image) {
+  return (uint64_t)(uintptr_t)image->resource.handle;
+}
+
+csm_result d3d12_target_create(gpu_device *device, const gpu_target_info *info, gpu_target **out) {
+  *out = NULL;
+  gpu_target *target = d3d12_new(&device->host, sizeof *target);
+  if (!target)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  const gpu_image_info *size = info->depth ? &info->depth->info : &info->color->info;
+  target->depth = info->depth;
+  target->color = info->color;
+  target->viewport = (D3D12_VIEWPORT){.Width = (float)size->width, .Height = (float)size->height, .MaxDepth = 1};
+  target->scissor = (D3D12_RECT){.right = (LONG)size->width, .bottom = (LONG)size->height};
+  HRESULT hr = S_OK;
+  if (info->depth)
+    hr = create_depth_view(device, info->depth, info->depth_layer, 1, &target->depth_heap);
+  if (info->color && SUCCEEDED(hr))
+    hr = create_color_view(device, info->color, info->color_layer, &target->color_heap);
+  if (FAILED(hr)) {
+    d3d12_target_destroy(device, target);
+    return d3d12_check(device, hr, "making a target");
+  }
+  *out = target;
+  return CSM_SUCCESS;
+}
+
+void d3d12_target_destroy(gpu_device *device, gpu_target *target) {
+  if (!target)
+    return;
+  release_heap(target->depth_heap);
+  release_heap(target->color_heap);
+  device->host.release(device->host.user, target);
+}
