@@ -1,0 +1,140 @@
+/* camera.c: what a view and a projection say about a camera. */
+#include "plan/internal.h"
+
+#include <math.h>
+
+/* Entries that a perspective or orthographic projection has at 0 may be this much of the largest one beside them. */
+#define RESIDUE 1e-6
+/* A far plane counts as infinitely far where the depth at infinity misses that plane's depth by no more than this. */
+#define INFINITE_DEPTH 1e-3
+
+double plan_view_side(const plan_camera *camera) {
+  const double row[3] = {camera->view[2], camera->view[6], camera->view[10]};
+  return plan_dot(camera->forward, row) < 0.0 ? -1.0 : 1.0;
+}
+
+void plan_view_rotation_inverse(double out[9], const double view[16]) {
+  const double rows[3][3] = {{view[0], view[4], view[8]}, {view[1], view[5], view[9]}, {view[2], view[6], view[10]}};
+  double cofactors[3][3];
+  for (int i = 0; i < 3; ++i)
+    plan_cross(cofactors[i], rows[(i + 1) % 3], rows[(i + 2) % 3]);
+  const double determinant = plan_dot(rows[0], cofactors[0]);
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row)
+      out[column * 3 + row] = cofactors[column][row] / determinant;
+}
+
+static bool is_rigid(const double view[16]) {
+  double square = 0.0;
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) {
+      const double off = plan_dot(&view[a * 4], &view[b * 4]) - (a == b);
+      square += off * off;
+    }
+  return square <= PLAN_RIGID_TOLERANCE * PLAN_RIGID_TOLERANCE;
+}
+
+static csm_result take_view(plan_camera *camera, const double view[16], const char **error) {
+  const csm_result result = plan_check_affine(view);
+  if (result == CSM_ERROR_NOT_FINITE)
+    return plan_fail(error, result, "view is not finite");
+  if (result)
+    return plan_fail(error, result, "view is singular or not affine");
+  if (!is_rigid(view))
+    return plan_fail(error, CSM_ERROR_INVALID_MATRIX, "view is more than a rotation, a translation and a mirroring");
+  double inverse[9];
+  plan_view_rotation_inverse(inverse, view);
+  for (int i = 0; i < 16; ++i)
+    camera->view[i] = view[i];
+  for (int i = 0; i < 3; ++i)
+    camera->position[i] = -(inverse[i] * view[12] + inverse[3 + i] * view[13] + inverse[6 + i] * view[14]);
+  if (!plan_finite(camera->position, 3))
+    return plan_fail(error, CSM_ERROR_INVALID_MATRIX, "view puts the camera beyond what doubles hold");
+  return CSM_SUCCESS;
+}
+
+/* Divides the projection so that clip w is plus or minus view z (perspective), or 1 (orthographic). */
+static csm_result scale_projection(plan_camera *camera, const double p[16], const char **error) {
+  const double scale = fmax(fabs(p[11]), fabs(p[15]));
+  const double least = fmin(fabs(p[11]), fabs(p[15]));
+  const double across = fmax(fabs(p[3]), fabs(p[7]));
+  if (scale == 0.0)
+    return plan_fail(error, CSM_ERROR_INVALID_MATRIX, "projection is singular: no clip w along view z");
+  if (least > RESIDUE * scale || across > RESIDUE * scale)
+    return plan_fail(error, CSM_ERROR_INVALID_CAMERA,
+                     "projection is neither perspective nor orthographic along view z: its clip w");
+  camera->orthographic = fabs(p[15]) > fabs(p[11]);
+  if (camera->orthographic && p[15] < 0.0)
+    return plan_fail(error, CSM_ERROR_INVALID_CAMERA, "projection is orthographic with a negative clip w");
+  for (int i = 0; i < 16; ++i)
+    camera->projection[i] = p[i] / scale;
+  if (!plan_finite(camera->projection, 16))
+    return plan_fail(error, CSM_ERROR_INVALID_MATRIX, "projection's numbers are too far apart");
+  p = camera->projection;
+  if (fmax(fabs(p[2]), fabs(p[6])) > RESIDUE * fmax(fabs(p[10]), fabs(p[14])))
+    return plan_fail(error, CSM_ERROR_INVALID_CAMERA,
+                     "projection is neither perspective nor orthographic along view z: its clip z");
+  double inverse[16];
+  if (!plan_invert(inverse, p))
+    return plan_fail(error, CSM_ERROR_INVALID_MATRIX, "projection is singular");
+  return CSM_SUCCESS;
+}
+
+/* Of clip z over w = limit + slope / depth, for depth from 0 to infinity before the camera. */
+static csm_result perspective_depths(plan_camera *camera, double *side, const char **error) {
+  *side = camera->projection[11];
+  const double limit = *side * camera->projection[10], slope = camera->projection[14];
+  camera->reversed = slope > 0.0;
+  /* Reversed or not, measured from the near plane's depth towards the far plane's */
+  const double to_near = camera->reversed ? 1.0 - limit : limit;
+  const double to_far = camera->reversed ? -limit : limit - 1.0;
+  camera->near_depth = fabs(slope) / to_near;
+  camera->far_depth = to_far > 0.0 ? fabs(slope) / to_far : INFINITY;
+  if (!(to_near > 0.0) || !(camera->near_depth > 0.0) || !isfinite(camera->near_depth))
+    return plan_fail(error, CSM_ERROR_INVALID_CAMERA, "projection has no near plane before the camera");
+  if (to_far < -INFINITE_DEPTH)
+    return plan_fail(error, CSM_ERROR_INVALID_CAMERA, "projection has a near or far plane behind the camera");
+  return CSM_SUCCESS;
+}
+
+/*
+ * A matrix alone does not say which way an orthographic camera looks: the side on which more of its depth lies is taken
+ * as its front, and where both have as much, the side on which clip z grows (not reversed).
+ */
+static csm_result orthographic_depths(plan_camera *camera, double *side, const char **error) {
+  const double slope = camera->projection[10], offset = camera->projection[14];
+  if (slope == 0.0)
+    return plan_fail(error, CSM_ERROR_INVALID_MATRIX, "projection is singular: clip z does not change");
+  const double z0 = -offset / slope, z1 = (1.0 - offset) / slope;
+  const double sum = z0 + z1;
+  *side = copysign(1.0, fabs(sum) > RESIDUE * fabs(z1 - z0) ? sum : slope);
+  camera->near_depth = fmin(*side * z0, *side * z1);
+  camera->far_depth = fmax(*side * z0, *side * z1);
+  camera->reversed = *side * z0 > *side * z1;
+  if (!isfinite(camera->near_depth) || !isfinite(camera->far_depth))
+    return plan_fail(error, CSM_ERROR_INVALID_CAMERA, "projection has its near or far plane beyond what doubles hold");
+  return CSM_SUCCESS;
+}
+
+csm_result plan_camera_make(plan_camera *out, const double view[16], const double projection[16], const char **error) {
+  plan_camera camera = {0};
+  csm_result result = take_view(&camera, view, error);
+  if (result)
+    return result;
+  if (!plan_finite(projection, 16))
+    return plan_fail(error, CSM_ERROR_NOT_FINITE, "projection is not finite");
+  double side = 0.0;
+  result = scale_projection(&camera, projection, error);
+  if (!result)
+    result =
+        camera.orthographic ? orthographic_depths(&camera, &side, error) : perspective_depths(&camera, &side, error);
+  if (result)
+    return result;
+  if (!(camera.near_depth < camera.far_depth))
+    return plan_fail(error, CSM_ERROR_INVALID_CAMERA, "projection has its near plane at or beyond its far plane");
+  for (int i = 0; i < 3; ++i)
+    camera.forward[i] = side * view[i * 4 + 2];
+  (void)plan_normalize(camera.forward);
+  *out = camera;
+  return CSM_SUCCESS;
+}

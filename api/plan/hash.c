@@ -1,0 +1,58 @@
+/* hash.c: a number that tells plans apart. */
+#include "plan/internal.h"
+
+#include "csm_constants.h"
+#include <string.h>
+
+/* FNV-1a by 64-bit words, for speed; bytes past the last whole word are taken as one word with zeros. */
+static uint64_t add(uint64_t hash, const void *data, size_t size) {
+  const uint64_t prime = 0x100000001b3u;
+  const char *bytes = data;
+  for (; size >= sizeof(uint64_t); size -= sizeof(uint64_t), bytes += sizeof(uint64_t)) {
+    uint64_t word;
+    memcpy(&word, bytes, sizeof word);
+    hash = (hash ^ word) * prime;
+  }
+  if (size) {
+    uint64_t word = 0;
+    memcpy(&word, bytes, size);
+    hash = (hash ^ word) * prime;
+  }
+  return hash;
+}
+
+static uint64_t add_list(uint64_t hash, const plan_list *list) {
+  hash = add(hash, &list->culled, sizeof list->culled);
+  hash = add(hash, &list->draw_count, sizeof list->draw_count);
+  hash = add(hash, &list->instance_count, sizeof list->instance_count);
+  if (list->instance_count == 0)
+    return hash;
+  hash = add(hash, list->draws, list->draw_count * sizeof *list->draws);
+  return add(hash, list->instances, list->instance_count * sizeof *list->instances);
+}
+
+static uint64_t add_matrices(uint64_t hash, const plan_frame *frame, uint32_t cascade, const plan_scene *scene) {
+  const plan_list *list = &frame->cascades[cascade].list;
+  double rows[3][4];
+  plan_cascade_to_clip(rows, frame, cascade);
+  for (uint32_t i = 0; i < list->instance_count; ++i) {
+    float matrix[12];
+    plan_instance_to_clip(matrix, rows, &scene->instances[list->instances[i]]);
+    hash = add(hash, matrix, sizeof matrix);
+  }
+  return hash;
+}
+
+uint64_t plan_hash(const plan_frame *frame, const csm_config *config, const plan_scene *scene) {
+  float constants[CSM_C_COUNT * 4];
+  uint64_t hash = 0xcbf29ce484222325u;
+  hash = add(hash, config, sizeof *config);
+  hash = add(hash, constants, plan_write_constants(constants, frame, config));
+  hash = add(hash, frame->camera.position, sizeof frame->camera.position);
+  for (uint32_t i = 0; i < frame->cascade_count; ++i) {
+    hash = add(hash, &frame->cascades[i].info, sizeof frame->cascades[i].info);
+    hash = add_list(hash, &frame->cascades[i].list);
+    hash = add_matrices(hash, frame, i, scene);
+  }
+  return hash;
+}

@@ -1,0 +1,76 @@
+/* lists.c: what each cascade draws, ordered by mesh, laid out in one piece of memory. */
+#include "plan/internal.h"
+
+#include <string.h>
+
+enum { list_alignment = 16 };
+
+static size_t take(size_t *at, size_t count, size_t size) {
+  const size_t begin = *at;
+  *at = (begin + count * size + list_alignment - 1) / list_alignment * list_alignment;
+  return begin;
+}
+
+typedef struct memory_layout {
+  size_t counts, masks, draws, instances, list_stride, size;
+} memory_layout;
+
+static memory_layout lay_out(uint32_t instance_count, uint32_t mesh_count, uint32_t list_count) {
+  const uint32_t most_draws = instance_count < mesh_count ? instance_count : mesh_count;
+  memory_layout layout = {0};
+  size_t at = 0;
+  layout.counts = take(&at, (size_t)mesh_count * list_count, sizeof(uint32_t));
+  layout.masks = take(&at, instance_count, sizeof(uint8_t));
+  layout.draws = take(&at, most_draws, sizeof(plan_draw));
+  layout.instances = take(&at, instance_count, sizeof(uint32_t));
+  layout.list_stride = at - layout.draws;
+  layout.size = layout.draws + layout.list_stride * list_count;
+  return layout;
+}
+
+size_t plan_memory_size(uint32_t instance_count, uint32_t mesh_count, uint32_t cascade_count) {
+  return lay_out(instance_count, mesh_count, cascade_count ? cascade_count : 1).size;
+}
+
+void plan_lists_begin(plan_lists *lists, const plan_scene *scene, void *memory) {
+  const memory_layout layout = lay_out(scene->instance_count, scene->mesh_count, lists->count);
+  char *const base = memory;
+  if (scene->instance_count == 0)
+    return;
+  lists->counts = (uint32_t *)(base + layout.counts);
+  lists->masks = (uint8_t *)(base + layout.masks);
+  memset(lists->counts, 0, (size_t)scene->mesh_count * lists->count * sizeof *lists->counts);
+  for (uint32_t i = 0; i < lists->count; ++i) {
+    lists->lists[i]->draws = (plan_draw *)(base + layout.draws + i * layout.list_stride);
+    lists->lists[i]->instances = (uint32_t *)(base + layout.instances + i * layout.list_stride);
+  }
+}
+
+/* A draw for each mesh that the list holds; counts become the place of the mesh's next instance. */
+static void make_draws(plan_lists *lists, uint32_t index, uint32_t mesh_count) {
+  plan_list *list = lists->lists[index];
+  for (uint32_t mesh = 0; mesh < mesh_count; ++mesh) {
+    uint32_t *count = &lists->counts[(size_t)mesh * lists->count + index];
+    if (*count == 0)
+      continue;
+    list->draws[list->draw_count++] = (plan_draw){.mesh = mesh, .first = list->instance_count, .count = *count};
+    list->instance_count += *count;
+    *count = list->instance_count - *count;
+  }
+}
+
+void plan_lists_end(plan_lists *lists, const plan_scene *scene) {
+  if (scene->instance_count == 0)
+    return;
+  for (uint32_t i = 0; i < lists->count; ++i) {
+    make_draws(lists, i, scene->mesh_count);
+    lists->lists[i]->culled = scene->instance_count - lists->lists[i]->instance_count;
+  }
+  for (uint32_t instance = 0; instance < scene->instance_count; ++instance) {
+    uint32_t *places = &lists->counts[(size_t)scene->instances[instance].mesh * lists->count];
+    for (uint32_t mask = lists->masks[instance]; mask; mask &= mask - 1) {
+      const uint32_t list = (uint32_t)__builtin_ctz(mask);
+      lists->lists[list]->instances[places[list]++] = instance;
+    }
+  }
+}

@@ -1,0 +1,104 @@
+/* sphere.c: the least sphere around a slice of what a camera sees. */
+#include "plan/internal.h"
+
+#include <math.h>
+
+/*
+ * Jitter moves the image by less than a pixel, and must not change a texel's size. So the image's offset from the view
+ * axis is rounded to whole steps, and the slice is made larger by half a step to each side (of clip space, whose sides
+ * are at -1 and 1), which covers the image wherever in its step it is. Half a pixel of jitter is less than this from
+ * 128 pixels on.
+ */
+#define OFFSET_STEP (1.0 / 64.0)
+
+/* The corners of the slice's face at a view depth, in view space, ordered around the face. */
+static void face_corners(double (*corners)[3], const plan_camera *camera, double depth) {
+  const double *p = camera->projection;
+  const double z = plan_view_side(camera) * depth, w = p[11] * z + p[15];
+  const double offset[2] = {(p[8] * z + p[12]) / w, (p[9] * z + p[13]) / w};
+  const double determinant = p[0] * p[5] - p[4] * p[1];
+  const double side = 1.0 + OFFSET_STEP / 2.0;
+  for (int i = 0; i < 4; ++i) {
+    const double x = (i == 0 || i == 3 ? -side : side) - round(offset[0] / OFFSET_STEP) * OFFSET_STEP;
+    const double y = (i < 2 ? -side : side) - round(offset[1] / OFFSET_STEP) * OFFSET_STEP;
+    corners[i][0] = w * (p[5] * x - p[4] * y) / determinant;
+    corners[i][1] = w * (p[0] * y - p[1] * x) / determinant;
+    corners[i][2] = z;
+  }
+}
+
+/*
+ * The centre of the least sphere through `count` points, 2 to 4: origin + sum of weights times edges, where
+ * dot(edge i, sum) = dot(edge i, edge i) / 2. Cramer's rule; degenerate points give no finite result.
+ */
+static void circumcenter(double center[3], const double *const points[4], int count) {
+  double edges[3][3] = {{0}}, g[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, half[3] = {0}, weights[3];
+  for (int i = 0; i + 1 < count; ++i)
+    for (int k = 0; k < 3; ++k)
+      edges[i][k] = points[i + 1][k] - points[0][k];
+  for (int a = 0; a + 1 < count; ++a) {
+    for (int b = 0; b + 1 < count; ++b)
+      g[a][b] = plan_dot(edges[a], edges[b]);
+    half[a] = g[a][a] / 2.0;
+  }
+  double cofactors[3][3];
+  for (int i = 0; i < 3; ++i)
+    plan_cross(cofactors[i], g[(i + 1) % 3], g[(i + 2) % 3]);
+  const double determinant = plan_dot(g[0], cofactors[0]);
+  for (int i = 0; i < 3; ++i) /* the Gram matrix is symmetric, so cofactors need no transposition */
+    weights[i] = plan_dot(cofactors[i], half) / determinant;
+  for (int k = 0; k < 3; ++k)
+    center[k] = points[0][k] + weights[0] * edges[0][k] + weights[1] * edges[1][k] + weights[2] * edges[2][k];
+}
+
+/* The square of the distance to the farthest point, or `limit` if that is less. */
+static double farthest_square(const double center[3], const double points[8][3], double limit) {
+  double farthest = 0.0;
+  for (int i = 0; i < 8; ++i) {
+    const double to[3] = {points[i][0] - center[0], points[i][1] - center[1], points[i][2] - center[2]};
+    const double square = plan_dot(to, to);
+    if (!(square < limit))
+      return limit;
+    farthest = square > farthest ? square : farthest;
+  }
+  return farthest;
+}
+
+/*
+ * The least sphere goes through two to four of the points, and is the least one through those. So the centre of each
+ * such choice is tried, and the one with the nearest farthest point is it: whatever rounding does to degenerate
+ * choices, no point is left outside.
+ */
+static double least_sphere(double center[3], const double points[8][3]) {
+  double best = INFINITY;
+  for (unsigned choice = 3; choice < 256; ++choice) {
+    const double *chosen[4];
+    int count = 0;
+    for (int i = 0; i < 8 && count <= 4; ++i)
+      if (choice & (1u << i)) {
+        if (count < 4)
+          chosen[count] = points[i];
+        ++count;
+      }
+    if (count < 2 || count > 4)
+      continue;
+    double tried[3];
+    circumcenter(tried, chosen, count);
+    const double square = farthest_square(tried, points, best);
+    if (square < best) {
+      best = square;
+      for (int k = 0; k < 3; ++k)
+        center[k] = tried[k];
+    }
+  }
+  return sqrt(best);
+}
+
+void plan_slice_sphere(double center[3], double *radius, const plan_camera *camera, double near, double far) {
+  double corners[8][3];
+  face_corners(corners, camera, near);
+  face_corners(corners + 4, camera, far);
+  center[0] = center[1] = center[2] = 0.0;
+  /* A view that is rigid within the tolerance stretches lengths by up to half of that. */
+  *radius = least_sphere(center, corners) * (1.0 + PLAN_RIGID_TOLERANCE / 2.0);
+}

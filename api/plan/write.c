@@ -1,0 +1,120 @@
+/* write.c: the floats that shaders read. Everything is computed in doubles and rounded once. */
+#include "plan/internal.h"
+
+#include "csm_constants.h"
+#include <math.h>
+
+void plan_cascade_to_clip(double rows[3][4], const plan_frame *frame, uint32_t cascade) {
+  const double *to_clip = frame->cascades[cascade].to_clip;
+  for (int row = 0; row < 3; ++row) {
+    for (int k = 0; k < 3; ++k)
+      rows[row][k] = to_clip[row * 4] * frame->basis[k] + to_clip[row * 4 + 1] * frame->basis[3 + k] +
+                     to_clip[row * 4 + 2] * frame->basis[6 + k];
+    rows[row][3] = to_clip[row * 4 + 3];
+  }
+}
+
+void plan_instance_to_clip(float out[12], const double rows[3][4], const plan_instance *instance) {
+  const double *t = instance->transform;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 4; ++column) {
+      const double constant = column == 3 ? rows[row][3] : 0.0;
+      out[row * 4 + column] =
+          plan_float(rows[row][0] * t[column] + rows[row][1] * t[4 + column] + rows[row][2] * t[8 + column] + constant);
+    }
+}
+
+void plan_write_cascade_matrices(float *out, const plan_frame *frame, uint32_t cascade, const plan_scene *scene) {
+  const plan_list *list = &frame->cascades[cascade].list;
+  double rows[3][4];
+  plan_cascade_to_clip(rows, frame, cascade);
+  for (uint32_t i = 0; i < list->instance_count; ++i)
+    plan_instance_to_clip(&out[(size_t)i * 12], rows, &scene->instances[list->instances[i]]);
+}
+
+void plan_write_view_matrices(float *out, const plan_list *list, const plan_camera *camera, const plan_scene *scene) {
+  /* Relative to the camera, so that a large world costs no precision */
+  double to_view[16], to_clip[16];
+  for (int i = 0; i < 16; ++i)
+    to_view[i] = i < 12 ? camera->view[i] : i == 15;
+  plan_multiply(to_clip, camera->projection, to_view);
+  for (uint32_t i = 0; i < list->instance_count; ++i, out += 16) {
+    const double *t = scene->instances[list->instances[i]].transform;
+    double object[16];
+    for (int column = 0; column < 4; ++column) {
+      for (int row = 0; row < 3; ++row)
+        object[column * 4 + row] = t[row * 4 + column] - (column == 3 ? camera->position[row] : 0.0);
+      object[column * 4 + 3] = column == 3;
+    }
+    double clip[16];
+    plan_multiply(clip, to_clip, object);
+    for (int row = 0; row < 4; ++row)
+      for (int column = 0; column < 4; ++column)
+        out[row * 4 + column] = plan_float(clip[column * 4 + row]);
+  }
+}
+
+static void put(float *out, uint32_t index, double x, double y, double z, double w) {
+  out[index * 4] = plan_float(x);
+  out[index * 4 + 1] = plan_float(y);
+  out[index * 4 + 2] = plan_float(z);
+  out[index * 4 + 3] = plan_float(w);
+}
+
+static void put_cascade(float *out, uint32_t index, const plan_frame *frame, const csm_cascade_info *info,
+                        double reach_texels) {
+  const double *m = info->world_to_shadow, *origin = frame->camera.position;
+  put(out, CSM_C_TEXELS + index, info->texel_size, 1.0 / info->depth_range, reach_texels * info->texel_size, 0.0);
+  for (uint32_t row = 0; row < 3; ++row)
+    put(out, CSM_C_MATRICES + index * 3 + row, m[row], m[4 + row], m[8 + row],
+        m[row] * origin[0] + m[4 + row] * origin[1] + m[8 + row] * origin[2] + m[12 + row]);
+}
+
+uint32_t plan_write_constants(float *out, const plan_frame *frame, const csm_config *config) {
+  const uint32_t count = frame->cascade_count;
+  const double *view = frame->camera.view, side = plan_view_side(&frame->camera);
+  double ends[CSM_CONSTANTS_CASCADES];
+  for (uint32_t i = 0; i < CSM_CONSTANTS_CASCADES; ++i) {
+    const csm_cascade_info *info = &frame->cascades[i < count ? i : count - 1].info;
+    ends[i] = info->far_depth;
+    put_cascade(out, i, frame, info, plan_filter_radius_texels(config));
+  }
+  put(out, CSM_C_PARAMS, count, config->resolution, 1.0 / config->resolution, ends[count - 1]);
+  put(out, CSM_C_DEPTH, side * view[2], side * view[6], side * view[10], 0.0);
+  for (uint32_t i = 0; i < 3; ++i)
+    put(out, CSM_C_BASIS + i, frame->basis[i * 3], frame->basis[i * 3 + 1], frame->basis[i * 3 + 2], 0.0);
+  put(out, CSM_C_BIAS, config->bias_constant_texels, config->bias_slope_texels, config->bias_slope_max,
+      config->bias_normal_texels);
+  put(out, CSM_C_SPLITS, ends[0], ends[1], ends[2], ends[3]);
+  put(out, CSM_C_SPLITS + 1, ends[4], ends[5], ends[6], ends[7]);
+  return CSM_C_COUNT * 4 * sizeof(float);
+}
+
+/* 1 if image right, image up and back to the viewer are a right-handed basis of the world, else -1. */
+static double image_handedness(const plan_camera *camera) {
+  const double *v = camera->view, *p = camera->projection;
+  double cross[3];
+  plan_cross(cross, &v[0], &v[4]);
+  const double view = plan_dot(cross, &v[8]);
+  const double image = p[0] * p[5] - p[4] * p[1];
+  return copysign(1.0, view) * copysign(1.0, image) * -plan_view_side(camera);
+}
+
+uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_camera *camera, uint32_t width,
+                                   uint32_t height) {
+  double unproject[16], rotation[9];
+  (void)plan_invert(unproject, camera->projection); /* plan_camera_make saw to it that it can be */
+  plan_view_rotation_inverse(rotation, camera->view);
+  for (int row = 0; row < 3; ++row) {
+    const double apart = camera->position[row] - frame->camera.position[row];
+    double values[4];
+    for (int k = 0; k < 4; ++k)
+      values[k] = rotation[row] * unproject[k * 4] + rotation[3 + row] * unproject[k * 4 + 1] +
+                  rotation[6 + row] * unproject[k * 4 + 2] + apart * unproject[k * 4 + 3];
+    put(out, CSM_M_INVERSE + (uint32_t)row, values[0], values[1], values[2], values[3]);
+  }
+  put(out, CSM_M_INVERSE + 3, unproject[3], unproject[7], unproject[11], unproject[15]);
+  put(out, CSM_M_SIZE, width, height, 1.0 / width, 1.0 / height);
+  put(out, CSM_M_CLEAR, camera->reversed ? 0.0 : 1.0, image_handedness(camera), 0.0, 0.0);
+  return CSM_M_COUNT * 4 * sizeof(float);
+}
