@@ -73,7 +73,7 @@ csm_result CSM_CALL csm_read(csm_cascades *cascades, const csm_read_info *in) {
     return result;
   csm_context *context = cascades->context;
   csm_read_info info;
-  source from;
+  source from = {0};
   result = context_check_struct(context, struct_read(&info, sizeof info, in), "csm_read_info");
   if (!result)
     result = find_source(cascades, &info, &from);
