@@ -156,18 +156,13 @@ static void check_mask(const drawn *d, const float *mask, const float *depth) {
       const double shift = 1.0;
       int shadowed = 0;
       bool near_edge = false;
-      for (int side = 0; side < 5; ++side) {
-        const double around[3] = {surface[0] + (side == 1   ? shift
-                                                : side == 2 ? -shift
-                                                            : 0),
-                                  surface[1],
-                                  surface[2] + (side == 3   ? shift
-                                                : side == 4 ? -shift
-                                                            : 0)};
-        shadowed += support_trace(corners, SUPPORT_TRIANGLES, around, to_light, &light_edge) >= 0;
+      for (int around = 0; around < 9; ++around) {
+        const double beside[3] = {surface[0] + shift * (around % 3 - 1), surface[1],
+                                  surface[2] + shift * (around / 3 - 1)};
+        shadowed += support_trace(corners, SUPPORT_TRIANGLES, beside, to_light, &light_edge) >= 0;
         near_edge |= light_edge < 0.02;
       }
-      if (near_edge || (shadowed != 0 && shadowed != 5) || surface[1] > 0.01)
+      if (near_edge || (shadowed != 0 && shadowed != 9) || surface[1] > 0.01)
         continue;
       lit += !shadowed;
       dark += shadowed != 0;
