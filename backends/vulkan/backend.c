@@ -1,0 +1,49 @@
+/* backend.c: the table and the one symbol that the library exports. */
+#include "internal.h"
+
+static const gpu_backend backend = {
+    .name = "vulkan",
+    .query = vulkan_query,
+    .open = vulkan_open,
+    .close = vulkan_close,
+    .describe = vulkan_describe,
+    .buffer_create = vulkan_buffer_create,
+    .buffer_destroy = vulkan_buffer_destroy,
+    .buffer_memory = vulkan_buffer_memory,
+    .image_create = vulkan_image_create,
+    .image_destroy = vulkan_image_destroy,
+    .image_bytes = vulkan_image_bytes,
+    .image_native = vulkan_image_native,
+    .target_create = vulkan_target_create,
+    .target_destroy = vulkan_target_destroy,
+    .program_create = vulkan_program_create,
+    .program_destroy = vulkan_program_destroy,
+    .bindings_create = vulkan_bindings_create,
+    .bindings_destroy = vulkan_bindings_destroy,
+    .begin = vulkan_begin,
+    .marker_begin = vulkan_marker_begin,
+    .marker_end = vulkan_marker_end,
+    .timestamp = vulkan_timestamp,
+    .copy_buffer = vulkan_copy_buffer,
+    .copy_image = vulkan_copy_image,
+    .clear_depth = vulkan_clear_depth,
+    .pass_begin = vulkan_pass_begin,
+    .pass_end = vulkan_pass_end,
+    .pass_program = vulkan_pass_program,
+    .pass_bind = vulkan_pass_bind,
+    .pass_draw = vulkan_pass_draw,
+    .make_readable = vulkan_make_readable,
+    .end = vulkan_end,
+    .wait = vulkan_wait,
+    .timestamps = vulkan_timestamps,
+};
+
+CSM_API void csm_backend_handshake(gpu_handshake *handshake);
+
+CSM_API void csm_backend_handshake(gpu_handshake *handshake) {
+  const bool common =
+      handshake->front_oldest <= GPU_INTERFACE_VERSION && GPU_INTERFACE_VERSION <= handshake->front_newest;
+  handshake->backend_oldest = GPU_INTERFACE_VERSION;
+  handshake->backend_newest = GPU_INTERFACE_VERSION;
+  handshake->backend = common ? &backend : NULL;
+}

@@ -1,0 +1,34 @@
+#include "functions.h"
+
+#define LOAD(name)                                                                                                     \
+  vk->name = (PFN_vk##name)vk->GetInstanceProcAddr(instance, "vk" #name);                                              \
+  complete &= vk->name != NULL;
+
+#define LOAD_DEVICE(name)                                                                                              \
+  vk->name = (PFN_vk##name)vk->GetDeviceProcAddr(device, "vk" #name);                                                  \
+  complete &= vk->name != NULL;
+
+bool vulkan_load_loader(vulkan_functions *vk) {
+  const VkInstance instance = VK_NULL_HANDLE;
+  bool complete = true;
+  VULKAN_LOADER_FUNCTIONS(LOAD)
+  return complete;
+}
+
+bool vulkan_load_instance(vulkan_functions *vk, VkInstance instance) {
+  bool complete = true;
+  VULKAN_INSTANCE_FUNCTIONS(LOAD)
+  return complete;
+}
+
+bool vulkan_load_debug(vulkan_functions *vk, VkInstance instance) {
+  bool complete = true;
+  VULKAN_DEBUG_FUNCTIONS(LOAD)
+  return complete;
+}
+
+bool vulkan_load_device(vulkan_functions *vk, VkDevice device) {
+  bool complete = true;
+  VULKAN_DEVICE_FUNCTIONS(LOAD_DEVICE)
+  return complete;
+}

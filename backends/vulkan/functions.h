@@ -1,0 +1,121 @@
+/* functions.h: the Vulkan functions that a device uses, in a table of its own: no global vk* name is linked or defined.
+ */
+#ifndef VULKAN_FUNCTIONS_H
+#define VULKAN_FUNCTIONS_H
+
+#define VK_NO_PROTOTYPES
+#include <vulkan/vulkan_core.h>
+#include <stdbool.h>
+
+#define VULKAN_LOADER_FUNCTIONS(X)                                                                                     \
+  X(EnumerateInstanceVersion)                                                                                          \
+  X(EnumerateInstanceLayerProperties)                                                                                  \
+  X(EnumerateInstanceExtensionProperties)                                                                              \
+  X(CreateInstance)
+
+#define VULKAN_INSTANCE_FUNCTIONS(X)                                                                                   \
+  X(DestroyInstance)                                                                                                   \
+  X(EnumeratePhysicalDevices)                                                                                          \
+  X(EnumerateDeviceExtensionProperties)                                                                                \
+  X(GetPhysicalDeviceProperties)                                                                                       \
+  X(GetPhysicalDeviceProperties2)                                                                                      \
+  X(GetPhysicalDeviceFeatures)                                                                                         \
+  X(GetPhysicalDeviceFormatProperties)                                                                                 \
+  X(GetPhysicalDeviceImageFormatProperties)                                                                            \
+  X(GetPhysicalDeviceMemoryProperties)                                                                                 \
+  X(GetPhysicalDeviceQueueFamilyProperties)                                                                            \
+  X(CreateDevice)                                                                                                      \
+  X(GetDeviceProcAddr)
+
+/* Of VK_EXT_debug_utils, which is optional. */
+#define VULKAN_DEBUG_FUNCTIONS(X)                                                                                      \
+  X(CreateDebugUtilsMessengerEXT)                                                                                      \
+  X(DestroyDebugUtilsMessengerEXT)                                                                                     \
+  X(SetDebugUtilsObjectNameEXT)                                                                                        \
+  X(CmdBeginDebugUtilsLabelEXT)                                                                                        \
+  X(CmdEndDebugUtilsLabelEXT)
+
+#define VULKAN_DEVICE_FUNCTIONS(X)                                                                                     \
+  X(DestroyDevice)                                                                                                     \
+  X(DeviceWaitIdle)                                                                                                    \
+  X(GetDeviceQueue)                                                                                                    \
+  X(QueueSubmit)                                                                                                       \
+  X(AllocateMemory)                                                                                                    \
+  X(FreeMemory)                                                                                                        \
+  X(MapMemory)                                                                                                         \
+  X(CreateBuffer)                                                                                                      \
+  X(DestroyBuffer)                                                                                                     \
+  X(GetBufferMemoryRequirements)                                                                                       \
+  X(BindBufferMemory)                                                                                                  \
+  X(CreateImage)                                                                                                       \
+  X(DestroyImage)                                                                                                      \
+  X(GetImageMemoryRequirements)                                                                                        \
+  X(BindImageMemory)                                                                                                   \
+  X(CreateImageView)                                                                                                   \
+  X(DestroyImageView)                                                                                                  \
+  X(CreateSampler)                                                                                                     \
+  X(DestroySampler)                                                                                                    \
+  X(CreateRenderPass)                                                                                                  \
+  X(DestroyRenderPass)                                                                                                 \
+  X(CreateFramebuffer)                                                                                                 \
+  X(DestroyFramebuffer)                                                                                                \
+  X(CreateShaderModule)                                                                                                \
+  X(DestroyShaderModule)                                                                                               \
+  X(CreateDescriptorSetLayout)                                                                                         \
+  X(DestroyDescriptorSetLayout)                                                                                        \
+  X(CreatePipelineLayout)                                                                                              \
+  X(DestroyPipelineLayout)                                                                                             \
+  X(CreateGraphicsPipelines)                                                                                           \
+  X(DestroyPipeline)                                                                                                   \
+  X(CreateDescriptorPool)                                                                                              \
+  X(DestroyDescriptorPool)                                                                                             \
+  X(AllocateDescriptorSets)                                                                                            \
+  X(UpdateDescriptorSets)                                                                                              \
+  X(CreateCommandPool)                                                                                                 \
+  X(DestroyCommandPool)                                                                                                \
+  X(ResetCommandPool)                                                                                                  \
+  X(AllocateCommandBuffers)                                                                                            \
+  X(BeginCommandBuffer)                                                                                                \
+  X(EndCommandBuffer)                                                                                                  \
+  X(CreateFence)                                                                                                       \
+  X(DestroyFence)                                                                                                      \
+  X(ResetFences)                                                                                                       \
+  X(WaitForFences)                                                                                                     \
+  X(CreateQueryPool)                                                                                                   \
+  X(DestroyQueryPool)                                                                                                  \
+  X(GetQueryPoolResults)                                                                                               \
+  X(CmdResetQueryPool)                                                                                                 \
+  X(CmdWriteTimestamp)                                                                                                 \
+  X(CmdPipelineBarrier)                                                                                                \
+  X(CmdCopyBuffer)                                                                                                     \
+  X(CmdCopyImageToBuffer)                                                                                              \
+  X(CmdClearDepthStencilImage)                                                                                         \
+  X(CmdBeginRenderPass)                                                                                                \
+  X(CmdEndRenderPass)                                                                                                  \
+  X(CmdSetViewport)                                                                                                    \
+  X(CmdSetScissor)                                                                                                     \
+  X(CmdBindPipeline)                                                                                                   \
+  X(CmdBindDescriptorSets)                                                                                             \
+  X(CmdBindVertexBuffers)                                                                                              \
+  X(CmdBindIndexBuffer)                                                                                                \
+  X(CmdDraw)                                                                                                           \
+  X(CmdDrawIndexed)
+
+#define VULKAN_DECLARE(name) PFN_vk##name name;
+
+/* Members are the functions' names without "vk". */
+typedef struct vulkan_functions {
+  PFN_vkGetInstanceProcAddr GetInstanceProcAddr; /* set by the owner; what the others are loaded through */
+  VULKAN_LOADER_FUNCTIONS(VULKAN_DECLARE)
+  VULKAN_INSTANCE_FUNCTIONS(VULKAN_DECLARE)
+  VULKAN_DEBUG_FUNCTIONS(VULKAN_DECLARE)
+  VULKAN_DEVICE_FUNCTIONS(VULKAN_DECLARE)
+} vulkan_functions;
+
+/* Each is false if a function is missing: what was asked is older than Vulkan 1.1, or has not the extension. */
+bool vulkan_load_loader(vulkan_functions *vk);
+bool vulkan_load_instance(vulkan_functions *vk, VkInstance instance);
+bool vulkan_load_debug(vulkan_functions *vk, VkInstance instance);
+bool vulkan_load_device(vulkan_functions *vk, VkDevice device);
+
+#endif

@@ -1,0 +1,214 @@
+/*
+ * internal.h: what the files of the Vulkan backend share. Vulkan 1.1 core alone; VK_EXT_debug_utils where it is on.
+ *
+ * A device is opened in two steps: its handles are obtained (own.c opens them), and then used (device.c, which asks for
+ * nothing that an engine's device could not give).
+ */
+#ifndef VULKAN_INTERNAL_H
+#define VULKAN_INTERNAL_H
+
+#include "../gpu.h"
+#include "csm/csm.h"
+#include "functions.h"
+
+#define VULKAN_MAX_SLOTS 8
+#define VULKAN_FORMATS (GPU_FORMAT_RGBA32_FLOAT + 1)
+#define VULKAN_SAMPLERS (GPU_SAMPLER_COMPARE_LESS_EQUAL + 1)
+
+/* ---- memory.c ---- */
+typedef struct vulkan_block vulkan_block;
+typedef struct vulkan_span vulkan_span;
+
+/* A piece of device memory. All zero is none. */
+typedef struct vulkan_memory {
+  VkDeviceMemory handle;
+  uint64_t offset, size;
+  void *mapped; /* NULL unless host-visible */
+  vulkan_block *block;
+  vulkan_span *span;
+} vulkan_memory;
+
+/* `image`: in an allocation of its own, never mapped. `name`: of an allocation that is not shared. */
+csm_result vulkan_memory_allocate(gpu_device *device, const VkMemoryRequirements *needs, gpu_buffer_kind kind,
+                                  bool image, const char *name, vulkan_memory *out);
+void vulkan_memory_release(gpu_device *device, vulkan_memory *memory);
+/* The type that memory of this kind is taken from, or UINT32_MAX. Host-visible kinds are coherent: Vulkan promises such
+   a type for every buffer, so nothing is ever flushed or invalidated. */
+uint32_t vulkan_memory_type(const gpu_device *device, uint32_t allowed_types, gpu_buffer_kind kind);
+
+/* ---- objects ---- */
+
+/* How a piece of an image is used, or was last. */
+typedef struct vulkan_use {
+  VkImageLayout layout;
+  VkPipelineStageFlags stages;
+  VkAccessFlags access;
+  bool ready; /* a barrier towards this use was recorded, and the use has not taken place */
+} vulkan_use;
+
+struct gpu_buffer {
+  VkBuffer handle;
+  vulkan_memory memory;
+  gpu_buffer_kind kind;
+  uint64_t epoch;                  /* of the transfers in the range below */
+  uint64_t copied_from, copied_to; /* what copies have read or written since the last barrier between transfers */
+};
+
+struct gpu_image {
+  VkImage handle;
+  VkImageView view; /* what shaders see; none without GPU_IMAGE_SAMPLED */
+  vulkan_memory memory;
+  gpu_format format;
+  uint32_t width, height, layer_count;
+  VkImageAspectFlags aspect;
+  bool used; /* in the current recording, and in its list */
+  gpu_image *next_used;
+  vulkan_use *before;  /* each layer's state before the current recording; valid if used */
+  vulkan_use layers[]; /* and now */
+};
+
+struct gpu_target {
+  gpu_image *depth, *color;
+  uint32_t depth_layer, color_layer;
+  VkImageView depth_view, color_view;
+  VkRenderPass pass;
+  VkFramebuffer framebuffer;
+  uint32_t width, height;
+};
+
+struct gpu_program {
+  VkDescriptorSetLayout set_layout;
+  VkPipelineLayout layout;
+  VkPipeline pipeline;
+  uint32_t stream_count;
+  uint32_t constants_count, texture_count, sampler_count;
+  uint32_t constants_sizes[GPU_MAX_CONSTANTS];
+};
+
+struct gpu_bindings {
+  VkDescriptorPool pool;
+  VkDescriptorSet set; /* none if the program reads nothing */
+  VkPipelineLayout layout;
+  uint32_t constants_count;
+};
+
+/* One recording in flight. */
+typedef struct vulkan_slot {
+  VkCommandPool pool;
+  VkCommandBuffer commands;
+  VkFence fence;
+  VkQueryPool queries; /* none if the queue has no timestamps */
+  bool submitted;      /* and not known to be done */
+} vulkan_slot;
+
+struct gpu_device {
+  gpu_host host;
+  char *error; /* while the device is being opened: where texts of errors go instead of the log; else NULL */
+  size_t error_size;
+
+  /* handles: obtained by own.c */
+  void *library;
+  vulkan_functions vk;
+  VkInstance instance;
+  VkDebugUtilsMessengerEXT messenger;
+  VkPhysicalDevice physical;
+  VkDevice handle;
+  VkQueue queue;
+  uint32_t queue_family;
+  bool debug; /* VK_EXT_debug_utils is on */
+
+  /* what the device is */
+  gpu_device_info info;
+  VkPhysicalDeviceMemoryProperties memory;
+  uint64_t timestamp_mask; /* 0: no timestamps */
+  double timestamp_period_ns;
+
+  /* what is made on it */
+  vulkan_block *blocks;
+  VkSampler samplers[VULKAN_SAMPLERS];
+  VkRenderPass passes[VULKAN_FORMATS][VULKAN_FORMATS]; /* by depth and colour format; made when first asked for */
+  vulkan_slot slots[VULKAN_MAX_SLOTS];
+  uint32_t slot_count;
+
+  /* the current recording */
+  vulkan_slot *slot;
+  VkCommandBuffer commands;
+  gpu_image *used;       /* a list */
+  uint32_t stream_count; /* of the pass's program */
+
+  /* the state of all buffers, in recording order */
+  uint64_t epoch;        /* counts barriers between transfers */
+  bool vertices_copied;  /* copies have written what draws may read, and no barrier stands between */
+  bool vertices_drawn;   /* draws may have read what copies write, likewise */
+  bool readback_written; /* in the current recording */
+  bool recording_lost;   /* a recording, with its barriers, was never submitted */
+};
+
+/* ---- device.c ---- */
+void *vulkan_allocate(const gpu_device *device, size_t size); /* zeroed; NULL when out of memory */
+void vulkan_release(const gpu_device *device, void *memory);  /* takes NULL */
+__attribute__((format(printf, 3, 4))) void vulkan_text(char *out, size_t size, const char *format, ...);
+/* Reports an error in words, and returns it. */
+__attribute__((format(printf, 3, 4))) csm_result vulkan_fail(const gpu_device *device, csm_result result,
+                                                             const char *format, ...);
+/* The csm_result of a VkResult; a failure is reported with the name of the function that failed. */
+csm_result vulkan_check(const gpu_device *device, VkResult result, const char *function);
+/* Names a Vulkan object for debuggers. */
+void vulkan_name(const gpu_device *device, VkObjectType type, uint64_t handle, const char *name);
+VkFormat vulkan_format(gpu_format format);
+uint32_t vulkan_texel_bytes(gpu_format format);
+
+csm_result vulkan_query(const gpu_open_info *info, gpu_device_info *out);
+csm_result vulkan_open(const gpu_open_info *info, gpu_device **out);
+void vulkan_close(gpu_device *device);
+void vulkan_describe(const gpu_device *device, gpu_device_info *out);
+
+/* ---- own.c: an own device's handles ---- */
+bool vulkan_has_extension(const VkExtensionProperties *extensions, uint32_t count, const char *name);
+csm_result vulkan_own_select(gpu_device *device, const gpu_open_info *info); /* library, instance, physical device */
+csm_result vulkan_own_open(gpu_device *device);                              /* then the device */
+void vulkan_own_close(gpu_device *device);                                   /* whatever of it there is */
+
+/* ---- resource.c ---- */
+csm_result vulkan_buffer_create(gpu_device *device, const gpu_buffer_info *info, gpu_buffer **out);
+void vulkan_buffer_destroy(gpu_device *device, gpu_buffer *buffer);
+void *vulkan_buffer_memory(gpu_buffer *buffer);
+csm_result vulkan_image_create(gpu_device *device, const gpu_image_info *info, gpu_image **out);
+void vulkan_image_destroy(gpu_device *device, gpu_image *image);
+uint64_t vulkan_image_bytes(const gpu_image *image);
+uint64_t vulkan_image_native(const gpu_image *image);
+csm_result vulkan_target_create(gpu_device *device, const gpu_target_info *info, gpu_target **out);
+void vulkan_target_destroy(gpu_device *device, gpu_target *target);
+
+/* ---- program.c ---- */
+csm_result vulkan_samplers_create(gpu_device *device);
+/* The render pass over targets of these formats; the device keeps it. */
+csm_result vulkan_pass_get(gpu_device *device, gpu_format depth, gpu_format color, VkRenderPass *out);
+csm_result vulkan_program_create(gpu_device *device, const gpu_program_info *info, gpu_program **out);
+void vulkan_program_destroy(gpu_device *device, gpu_program *program);
+csm_result vulkan_bindings_create(gpu_device *device, const gpu_bindings_info *info, gpu_bindings **out);
+void vulkan_bindings_destroy(gpu_device *device, gpu_bindings *bindings);
+
+/* ---- record.c ---- */
+csm_result vulkan_slot_create(gpu_device *device, vulkan_slot *slot);
+void vulkan_slot_destroy(gpu_device *device, vulkan_slot *slot);
+csm_result vulkan_begin(gpu_device *device, uint32_t slot, void *native);
+void vulkan_marker_begin(gpu_device *device, const char *name);
+void vulkan_marker_end(gpu_device *device);
+void vulkan_timestamp(gpu_device *device, uint32_t index);
+void vulkan_copy_buffer(gpu_device *device, gpu_buffer *to, uint64_t to_offset, gpu_buffer *from, uint64_t from_offset,
+                        uint64_t size);
+void vulkan_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *from,
+                       uint32_t layer);
+void vulkan_clear_depth(gpu_device *device, gpu_image *image, float depth);
+void vulkan_pass_begin(gpu_device *device, gpu_target *target);
+void vulkan_pass_end(gpu_device *device);
+void vulkan_pass_program(gpu_device *device, gpu_program *program);
+void vulkan_pass_bind(gpu_device *device, gpu_bindings *bindings, const uint32_t *offsets);
+void vulkan_pass_draw(gpu_device *device, const gpu_draw *draw);
+void vulkan_make_readable(gpu_device *device, gpu_image *image);
+csm_result vulkan_end(gpu_device *device);
+csm_result vulkan_wait(gpu_device *device, uint32_t slot);
+csm_result vulkan_timestamps(gpu_device *device, uint32_t slot, uint32_t count, uint64_t *nanoseconds);
+
+#endif

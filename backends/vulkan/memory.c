@@ -1,0 +1,183 @@
+/*
+ * memory.c: device memory. Small buffers share blocks, because devices allow few allocations; large buffers and images
+ * have one each, which is a block with a single piece.
+ */
+#include "internal.h"
+
+enum {
+  BLOCK_SIZE = 16 << 20,
+  SHARED_SIZE = 4 << 20, /* the largest piece that shares a block */
+  GRAIN = 256            /* such pieces are multiples of it; a stricter alignment gets a block of its own */
+};
+
+struct vulkan_span {
+  uint64_t offset, size;
+  bool taken;
+  vulkan_span *next; /* by offset, without gaps */
+};
+
+struct vulkan_block {
+  VkDeviceMemory handle;
+  uint32_t type;
+  bool shared;
+  char *mapped;
+  vulkan_span *spans;
+  vulkan_block *next;
+};
+
+static uint32_t find_type(const gpu_device *device, uint32_t allowed, VkMemoryPropertyFlags flags) {
+  for (uint32_t i = 0; i < device->memory.memoryTypeCount; i++)
+    if ((allowed >> i & 1) && (device->memory.memoryTypes[i].propertyFlags & flags) == flags)
+      return i;
+  return UINT32_MAX;
+}
+
+uint32_t vulkan_memory_type(const gpu_device *device, uint32_t allowed_types, gpu_buffer_kind kind) {
+  const VkMemoryPropertyFlags host = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+  const VkMemoryPropertyFlags best[] = {
+      [GPU_BUFFER_DEVICE] = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT,
+      [GPU_BUFFER_UPLOAD] = host,
+      [GPU_BUFFER_READBACK] = host | VK_MEMORY_PROPERTY_HOST_CACHED_BIT,
+  };
+  const uint32_t type = find_type(device, allowed_types, best[kind]);
+  if (type != UINT32_MAX)
+    return type;
+  return find_type(device, allowed_types, kind == GPU_BUFFER_DEVICE ? 0 : host);
+}
+
+static void block_destroy(gpu_device *device, vulkan_block *block) {
+  for (vulkan_span *span = block->spans, *next; span; span = next) {
+    next = span->next;
+    vulkan_release(device, span);
+  }
+  device->vk.FreeMemory(device->handle, block->handle, NULL);
+  vulkan_release(device, block);
+}
+
+static csm_result block_create(gpu_device *device, uint64_t size, uint32_t type, bool map, vulkan_block **out) {
+  csm_result result = CSM_ERROR_OUT_OF_MEMORY;
+  vulkan_block *block = vulkan_allocate(device, sizeof *block);
+  if (!block)
+    return result;
+  block->type = type;
+  block->spans = vulkan_allocate(device, sizeof *block->spans);
+  if (!block->spans)
+    goto failed;
+  block->spans->size = size;
+
+  const VkMemoryAllocateInfo info = {
+      .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = size, .memoryTypeIndex = type};
+  result =
+      vulkan_check(device, device->vk.AllocateMemory(device->handle, &info, NULL, &block->handle), "vkAllocateMemory");
+  if (result != CSM_SUCCESS)
+    goto failed;
+  if (map) {
+    void *mapped = NULL;
+    result = vulkan_check(device, device->vk.MapMemory(device->handle, block->handle, 0, VK_WHOLE_SIZE, 0, &mapped),
+                          "vkMapMemory");
+    if (result != CSM_SUCCESS)
+      goto failed;
+    block->mapped = mapped;
+  }
+  *out = block;
+  return CSM_SUCCESS;
+
+failed:
+  block_destroy(device, block);
+  return result;
+}
+
+static vulkan_span *find_span(const vulkan_block *block, uint64_t size) {
+  for (vulkan_span *span = block->spans; span; span = span->next)
+    if (!span->taken && span->size >= size)
+      return span;
+  return NULL;
+}
+
+/* Takes the first `size` bytes of a free span; the rest becomes a span of its own. False when out of memory. */
+static bool take_span(gpu_device *device, vulkan_span *span, uint64_t size) {
+  if (span->size > size) {
+    vulkan_span *rest = vulkan_allocate(device, sizeof *rest);
+    if (!rest)
+      return false;
+    *rest = (vulkan_span){.offset = span->offset + size, .size = span->size - size, .next = span->next};
+    span->size = size;
+    span->next = rest;
+  }
+  span->taken = true;
+  return true;
+}
+
+static void merge_free_spans(gpu_device *device, vulkan_block *block) {
+  for (vulkan_span *span = block->spans; span->next;) {
+    vulkan_span *next = span->next;
+    if (span->taken || next->taken) {
+      span = next;
+      continue;
+    }
+    span->size += next->size;
+    span->next = next->next;
+    vulkan_release(device, next);
+  }
+}
+
+static void destroy_if_free(gpu_device *device, vulkan_block *block) {
+  if (block->spans->next || block->spans->taken)
+    return;
+  vulkan_block **link = &device->blocks;
+  while (*link != block)
+    link = &(*link)->next;
+  *link = block->next;
+  block_destroy(device, block);
+}
+
+csm_result vulkan_memory_allocate(gpu_device *device, const VkMemoryRequirements *needs, gpu_buffer_kind kind,
+                                  bool image, const char *name, vulkan_memory *out) {
+  const uint32_t type = vulkan_memory_type(device, needs->memoryTypeBits, kind);
+  if (type == UINT32_MAX)
+    return vulkan_fail(device, CSM_ERROR_DEVICE, "no memory type of the device fits");
+  if (needs->size > device->info.max_allocation_size)
+    return vulkan_fail(device, CSM_ERROR_OUT_OF_DEVICE_MEMORY, "the device allows no allocation of %llu bytes",
+                       (unsigned long long)needs->size);
+
+  const bool shared = !image && needs->size <= SHARED_SIZE && needs->alignment <= GRAIN;
+  const bool visible = device->memory.memoryTypes[type].propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
+  const uint64_t size = shared ? (needs->size + GRAIN - 1) / GRAIN * GRAIN : needs->size;
+
+  vulkan_block *block = NULL;
+  vulkan_span *span = NULL;
+  for (vulkan_block *b = device->blocks; shared && b && !span; b = b->next)
+    if (b->shared && b->type == type && (span = find_span(b, size)))
+      block = b;
+  if (!block) {
+    const csm_result result = block_create(device, shared ? BLOCK_SIZE : size, type, visible && !image, &block);
+    if (result != CSM_SUCCESS)
+      return result;
+    vulkan_name(device, VK_OBJECT_TYPE_DEVICE_MEMORY, (uint64_t)block->handle, shared ? "csm buffers" : name);
+    block->shared = shared;
+    block->next = device->blocks;
+    device->blocks = block;
+    span = block->spans;
+  }
+  if (!take_span(device, span, size)) {
+    destroy_if_free(device, block);
+    return CSM_ERROR_OUT_OF_MEMORY;
+  }
+  *out = (vulkan_memory){.handle = block->handle,
+                         .offset = span->offset,
+                         .size = size,
+                         .mapped = block->mapped ? block->mapped + span->offset : NULL,
+                         .block = block,
+                         .span = span};
+  return CSM_SUCCESS;
+}
+
+void vulkan_memory_release(gpu_device *device, vulkan_memory *memory) {
+  vulkan_block *block = memory->block;
+  if (!block)
+    return;
+  memory->span->taken = false;
+  merge_free_spans(device, block);
+  destroy_if_free(device, block);
+  *memory = (vulkan_memory){0};
+}

@@ -1,0 +1,278 @@
+/* own.c: the handles of an own device: the Vulkan library, an instance, a physical device, a device. */
+#include "internal.h"
+
+#include <ctype.h>
+#include <dlfcn.h>
+#include <string.h>
+
+#define VALIDATION_LAYER "VK_LAYER_KHRONOS_validation"
+
+static csm_result open_library(gpu_device *device) {
+  device->library = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
+  if (!device->library)
+    return vulkan_fail(device, CSM_ERROR_NO_DEVICE, "no Vulkan: %s", dlerror());
+  void *symbol = dlsym(device->library, "vkGetInstanceProcAddr");
+  memcpy(&device->vk.GetInstanceProcAddr, &symbol, sizeof symbol);
+  uint32_t version = 0;
+  if (!symbol || !vulkan_load_loader(&device->vk) || device->vk.EnumerateInstanceVersion(&version) != VK_SUCCESS ||
+      version < VK_API_VERSION_1_1)
+    return vulkan_fail(device, CSM_ERROR_NO_DEVICE, "the Vulkan library is older than Vulkan 1.1");
+  return CSM_SUCCESS;
+}
+
+/* ---- the instance ---- */
+
+bool vulkan_has_extension(const VkExtensionProperties *extensions, uint32_t count, const char *name) {
+  for (uint32_t i = 0; i < count; i++)
+    if (strcmp(extensions[i].extensionName, name) == 0)
+      return true;
+  return false;
+}
+
+static csm_result find_instance_extension(gpu_device *device, const char *layer, const char *name, bool *found) {
+  *found = false;
+  uint32_t count = 0;
+  VkResult result = device->vk.EnumerateInstanceExtensionProperties(layer, &count, NULL);
+  if (result != VK_SUCCESS || count == 0)
+    return vulkan_check(device, result, "vkEnumerateInstanceExtensionProperties");
+  VkExtensionProperties *extensions = vulkan_allocate(device, count * sizeof *extensions);
+  if (!extensions)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  result = device->vk.EnumerateInstanceExtensionProperties(layer, &count, extensions);
+  if (result >= 0)
+    *found = vulkan_has_extension(extensions, count, name);
+  vulkan_release(device, extensions);
+  return vulkan_check(device, result, "vkEnumerateInstanceExtensionProperties");
+}
+
+static csm_result find_validation_layer(gpu_device *device, bool *found) {
+  *found = false;
+  uint32_t count = 0;
+  VkResult result = device->vk.EnumerateInstanceLayerProperties(&count, NULL);
+  if (result != VK_SUCCESS || count == 0)
+    return vulkan_check(device, result, "vkEnumerateInstanceLayerProperties");
+  VkLayerProperties *layers = vulkan_allocate(device, count * sizeof *layers);
+  if (!layers)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  result = device->vk.EnumerateInstanceLayerProperties(&count, layers);
+  for (uint32_t i = 0; result >= 0 && i < count; i++)
+    if (strcmp(layers[i].layerName, VALIDATION_LAYER) == 0)
+      *found = true;
+  vulkan_release(device, layers);
+  return vulkan_check(device, result, "vkEnumerateInstanceLayerProperties");
+}
+
+static VKAPI_ATTR VkBool32 VKAPI_CALL log_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                                  VkDebugUtilsMessageTypeFlagsEXT types,
+                                                  const VkDebugUtilsMessengerCallbackDataEXT *data, void *user) {
+  (void)types;
+  const gpu_device *device = user;
+  char text[2048];
+  size_t length = 0;
+  for (const char *c = data->pMessage; *c && length + 1 < sizeof text; c++)
+    text[length++] = *c == '\n' ? ' ' : *c;
+  text[length] = 0;
+  const int32_t level = severity >= VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT ? CSM_LOG_ERROR : CSM_LOG_WARNING;
+  device->host.log(device->host.user, level, text);
+  return VK_FALSE;
+}
+
+static csm_result create_instance(gpu_device *device, bool validate) {
+  bool layer = false, features = false;
+  csm_result result = find_instance_extension(device, NULL, VK_EXT_DEBUG_UTILS_EXTENSION_NAME, &device->debug);
+  if (result == CSM_SUCCESS && validate)
+    result = find_validation_layer(device, &layer);
+  if (result == CSM_SUCCESS && layer)
+    result = find_instance_extension(device, VALIDATION_LAYER, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME, &features);
+  if (result != CSM_SUCCESS)
+    return result;
+  if (validate && !features)
+    device->host.log(device->host.user, CSM_LOG_WARNING,
+                     layer ? VALIDATION_LAYER " is too old to validate synchronization"
+                           : VALIDATION_LAYER " is not installed: nothing is validated");
+
+  const VkValidationFeatureEnableEXT enabled[] = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
+  const VkValidationFeaturesEXT validation = {.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
+                                              .enabledValidationFeatureCount = 1,
+                                              .pEnabledValidationFeatures = enabled};
+  const VkDebugUtilsMessengerCreateInfoEXT messenger = {
+      .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+      .pNext = features ? &validation : NULL,
+      .messageSeverity =
+          VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+      .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT,
+      .pfnUserCallback = log_message,
+      .pUserData = device};
+  const char *layers[] = {VALIDATION_LAYER};
+  const char *extensions[2];
+  uint32_t extension_count = 0;
+  if (device->debug)
+    extensions[extension_count++] = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
+  if (features)
+    extensions[extension_count++] = VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME;
+  const VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+                                         .pApplicationName = "csm",
+                                         .applicationVersion = CSM_VERSION,
+                                         .apiVersion = VK_API_VERSION_1_1};
+  const VkInstanceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                     .pNext = layer && device->debug ? &messenger : NULL,
+                                     .pApplicationInfo = &application,
+                                     .enabledLayerCount = layer,
+                                     .ppEnabledLayerNames = layers,
+                                     .enabledExtensionCount = extension_count,
+                                     .ppEnabledExtensionNames = extensions};
+  const VkResult created = device->vk.CreateInstance(&info, NULL, &device->instance);
+  if (created == VK_ERROR_INCOMPATIBLE_DRIVER)
+    return vulkan_fail(device, CSM_ERROR_NO_DEVICE, "no Vulkan driver is installed");
+  result = vulkan_check(device, created, "vkCreateInstance");
+  if (result != CSM_SUCCESS)
+    return result;
+  if (!vulkan_load_instance(&device->vk, device->instance))
+    return vulkan_fail(device, CSM_ERROR_NO_DEVICE, "the Vulkan instance lacks functions of Vulkan 1.1");
+  device->debug = device->debug && vulkan_load_debug(&device->vk, device->instance);
+  if (!layer || !device->debug)
+    return CSM_SUCCESS;
+  VkDebugUtilsMessengerCreateInfoEXT own_messenger = messenger;
+  own_messenger.pNext = NULL;
+  return vulkan_check(
+      device, device->vk.CreateDebugUtilsMessengerEXT(device->instance, &own_messenger, NULL, &device->messenger),
+      "vkCreateDebugUtilsMessengerEXT");
+}
+
+/* ---- the physical device ---- */
+
+static uint32_t find_graphics_queue(const gpu_device *device, VkPhysicalDevice physical) {
+  VkQueueFamilyProperties families[16];
+  uint32_t count = sizeof families / sizeof *families;
+  device->vk.GetPhysicalDeviceQueueFamilyProperties(physical, &count, families);
+  for (uint32_t i = 0; i < count; i++)
+    if (families[i].queueCount > 0 && (families[i].queueFlags & VK_QUEUE_GRAPHICS_BIT))
+      return i;
+  return UINT32_MAX;
+}
+
+/* What a device lacks that csm cannot do without; NULL if nothing. */
+static const char *missing(const gpu_device *device, VkPhysicalDevice physical,
+                           const VkPhysicalDeviceProperties *properties) {
+  if (properties->apiVersion < VK_API_VERSION_1_1)
+    return "Vulkan 1.1";
+  VkPhysicalDeviceFeatures features;
+  device->vk.GetPhysicalDeviceFeatures(physical, &features);
+  if (!features.depthClamp)
+    return "depthClamp";
+  VkFormatProperties depth;
+  const VkFormatFeatureFlags wanted =
+      VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT;
+  device->vk.GetPhysicalDeviceFormatProperties(physical, VK_FORMAT_D32_SFLOAT, &depth);
+  if ((depth.optimalTilingFeatures & wanted) != wanted)
+    return "D32_SFLOAT as a depth target and a texture";
+  return find_graphics_queue(device, physical) == UINT32_MAX ? "a graphics queue" : NULL;
+}
+
+/* Lower is better. */
+static uint32_t rank(VkPhysicalDeviceType type) {
+  switch (type) {
+  case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+    return 0;
+  case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+    return 1;
+  case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+    return 2;
+  case VK_PHYSICAL_DEVICE_TYPE_CPU:
+    return 3;
+  default:
+    return 4;
+  }
+}
+
+static bool contains(const char *text, const char *part) {
+  for (;; text++) {
+    size_t i = 0;
+    while (part[i] && tolower((unsigned char)text[i]) == tolower((unsigned char)part[i]))
+      i++;
+    if (!part[i])
+      return true;
+    if (!*text)
+      return false;
+  }
+}
+
+static csm_result select_from(gpu_device *device, const char *name, const VkPhysicalDevice *list, uint32_t count) {
+  uint32_t best = UINT32_MAX;
+  char lack[sizeof device->info.name + 64] = "";
+  for (uint32_t i = 0; i < count; i++) {
+    VkPhysicalDeviceProperties properties;
+    device->vk.GetPhysicalDeviceProperties(list[i], &properties);
+    if (name && !contains(properties.deviceName, name))
+      continue;
+    const char *lacks = missing(device, list[i], &properties);
+    if (lacks) {
+      vulkan_text(lack, sizeof lack, "; %s lacks %s", properties.deviceName, lacks);
+    } else if (rank(properties.deviceType) < best) {
+      best = rank(properties.deviceType);
+      device->physical = list[i];
+    }
+  }
+  if (device->physical)
+    return CSM_SUCCESS;
+  return vulkan_fail(device, CSM_ERROR_NO_DEVICE, "none of %u Vulkan devices fits%s%s%s%s", count,
+                     name ? " the name \"" : "", name ? name : "", name ? "\"" : "", lack);
+}
+
+static csm_result select_physical(gpu_device *device, const char *name) {
+  uint32_t count = 0;
+  csm_result result = vulkan_check(device, device->vk.EnumeratePhysicalDevices(device->instance, &count, NULL),
+                                   "vkEnumeratePhysicalDevices");
+  if (result != CSM_SUCCESS)
+    return result;
+  if (count == 0)
+    return vulkan_fail(device, CSM_ERROR_NO_DEVICE, "no Vulkan device");
+  VkPhysicalDevice *list = vulkan_allocate(device, count * sizeof *list);
+  if (!list)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  result = vulkan_check(device, device->vk.EnumeratePhysicalDevices(device->instance, &count, list),
+                        "vkEnumeratePhysicalDevices");
+  if (result == CSM_SUCCESS)
+    result = select_from(device, name, list, count);
+  vulkan_release(device, list);
+  return result;
+}
+
+csm_result vulkan_own_select(gpu_device *device, const gpu_open_info *info) {
+  csm_result result = open_library(device);
+  if (result == CSM_SUCCESS)
+    result = create_instance(device, info->validate);
+  if (result == CSM_SUCCESS)
+    result = select_physical(device, info->device_name);
+  if (result == CSM_SUCCESS)
+    device->queue_family = find_graphics_queue(device, device->physical);
+  return result;
+}
+
+/* ---- the device ---- */
+
+csm_result vulkan_own_open(gpu_device *device) {
+  const float priority = 1;
+  const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                         .queueFamilyIndex = device->queue_family,
+                                         .queueCount = 1,
+                                         .pQueuePriorities = &priority};
+  const VkPhysicalDeviceFeatures features = {.depthClamp = VK_TRUE};
+  const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                   .queueCreateInfoCount = 1,
+                                   .pQueueCreateInfos = &queue,
+                                   .pEnabledFeatures = &features};
+  return vulkan_check(device, device->vk.CreateDevice(device->physical, &info, NULL, &device->handle),
+                      "vkCreateDevice");
+}
+
+void vulkan_own_close(gpu_device *device) {
+  if (device->handle && device->vk.DestroyDevice)
+    device->vk.DestroyDevice(device->handle, NULL);
+  if (device->messenger)
+    device->vk.DestroyDebugUtilsMessengerEXT(device->instance, device->messenger, NULL);
+  if (device->instance && device->vk.DestroyInstance)
+    device->vk.DestroyInstance(device->instance, NULL);
+  if (device->library)
+    dlclose(device->library);
+}

@@ -1,0 +1,374 @@
+/*
+ * record.c: recordings. State is tracked in recording order, which is submission order on the one queue, so a barrier
+ * also orders a frame after the frames before it.
+ *
+ * Images: each layer's last use is known; a barrier stands where the next use differs or writes again.
+ * Buffers: transfers among each other by range; transfers against draws for all buffers at once, since passes cannot
+ * hold barriers and what they will draw is not known when they begin.
+ */
+#include "internal.h"
+
+#include <string.h>
+
+static const vulkan_use use_clear = {.layout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                                     .stages = VK_PIPELINE_STAGE_TRANSFER_BIT,
+                                     .access = VK_ACCESS_TRANSFER_WRITE_BIT};
+static const vulkan_use use_copy = {.layout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                    .stages = VK_PIPELINE_STAGE_TRANSFER_BIT,
+                                    .access = VK_ACCESS_TRANSFER_READ_BIT};
+static const vulkan_use use_read = {.layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+                                    .stages = VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
+                                    .access = VK_ACCESS_SHADER_READ_BIT};
+static const vulkan_use use_depth = {
+    .layout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
+    .stages = VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT,
+    .access = VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT};
+static const vulkan_use use_color = {.layout = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL,
+                                     .stages = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
+                                     .access = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT};
+
+static const VkAccessFlags write_access =
+    VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
+
+/* ---- barriers for images ---- */
+
+static bool same_use(const vulkan_use *a, const vulkan_use *b) {
+  return a->layout == b->layout && a->stages == b->stages && a->access == b->access && a->ready == b->ready;
+}
+
+static bool needs_barrier(const vulkan_use *last, const vulkan_use *next) {
+  const bool again = last->layout == next->layout && last->stages == next->stages && last->access == next->access;
+  return !again || ((next->access & write_access) && !last->ready);
+}
+
+static void layers_barrier(gpu_device *device, gpu_image *image, uint32_t first, uint32_t count, const vulkan_use *next,
+                           bool discard) {
+  const vulkan_use last = image->layers[first];
+  const VkImageMemoryBarrier barrier = {
+      .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
+      .srcAccessMask = last.access & write_access,
+      .dstAccessMask = next->access,
+      .oldLayout = discard ? VK_IMAGE_LAYOUT_UNDEFINED : last.layout,
+      .newLayout = next->layout,
+      .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+      .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+      .image = image->handle,
+      .subresourceRange = {.aspectMask = image->aspect, .levelCount = 1, .baseArrayLayer = first, .layerCount = count}};
+  device->vk.CmdPipelineBarrier(device->commands, last.stages ? last.stages : VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT,
+                                next->stages, 0, 0, NULL, 0, NULL, 1, &barrier);
+  for (uint32_t i = 0; i < count; i++) {
+    image->layers[first + i] = *next;
+    image->layers[first + i].ready = true;
+  }
+}
+
+/* Puts the barriers that a use of these layers needs, one for each run of layers in the same state. */
+static void image_prepare(gpu_device *device, gpu_image *image, uint32_t first, uint32_t count, const vulkan_use *next,
+                          bool discard) {
+  if (!image->used) {
+    image->used = true;
+    image->next_used = device->used;
+    device->used = image;
+    memcpy(image->before, image->layers, image->layer_count * sizeof *image->layers);
+  }
+  const uint32_t end = first + count;
+  for (uint32_t run = first, stop; run < end; run = stop) {
+    for (stop = run + 1; stop < end && same_use(&image->layers[run], &image->layers[stop]);)
+      stop++;
+    if (needs_barrier(&image->layers[run], next))
+      layers_barrier(device, image, run, stop - run, next, discard);
+  }
+}
+
+/* The same, for a use that takes place now. */
+static void image_use(gpu_device *device, gpu_image *image, uint32_t first, uint32_t count, const vulkan_use *next,
+                      bool discard) {
+  image_prepare(device, image, first, count, next, discard);
+  for (uint32_t i = 0; i < count; i++)
+    image->layers[first + i].ready = false;
+}
+
+/* Shader-readable images rest readable between recordings. */
+static void rest_images(gpu_device *device) {
+  for (gpu_image *image = device->used; image; image = image->next_used)
+    if (image->view)
+      image_use(device, image, 0, image->layer_count, &use_read, false);
+}
+
+/* `submitted` false: the recording's uses will not take place. */
+static void release_images(gpu_device *device, bool submitted) {
+  for (gpu_image *image = device->used; image; image = image->next_used) {
+    if (!submitted)
+      memcpy(image->layers, image->before, image->layer_count * sizeof *image->layers);
+    image->used = false;
+  }
+  device->used = NULL;
+}
+
+/* ---- barriers for buffers ---- */
+
+static void memory_barrier(gpu_device *device, VkPipelineStageFlags from, VkAccessFlags written,
+                           VkPipelineStageFlags to, VkAccessFlags access) {
+  const VkMemoryBarrier barrier = {
+      .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER, .srcAccessMask = written, .dstAccessMask = access};
+  device->vk.CmdPipelineBarrier(device->commands, from, to, 0, 1, &barrier, 0, NULL, 0, NULL);
+}
+
+/* A copy is about to read or write this range. */
+static void transfer_range(gpu_device *device, gpu_buffer *buffer, uint64_t offset, uint64_t size) {
+  if (buffer->kind == GPU_BUFFER_UPLOAD)
+    return; /* only ever read */
+  if (buffer->epoch == device->epoch && offset < buffer->copied_to && buffer->copied_from < offset + size) {
+    memory_barrier(device, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT,
+                   VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT);
+    device->epoch++;
+  }
+  const bool first = buffer->epoch != device->epoch;
+  if (first || offset < buffer->copied_from)
+    buffer->copied_from = offset;
+  if (first || offset + size > buffer->copied_to)
+    buffer->copied_to = offset + size;
+  buffer->epoch = device->epoch;
+}
+
+/* ---- slots ---- */
+
+csm_result vulkan_slot_create(gpu_device *device, vulkan_slot *slot) {
+  const vulkan_functions *vk = &device->vk;
+  const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                        .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
+                                        .queueFamilyIndex = device->queue_family};
+  csm_result result =
+      vulkan_check(device, vk->CreateCommandPool(device->handle, &pool, NULL, &slot->pool), "vkCreateCommandPool");
+  if (result != CSM_SUCCESS)
+    return result;
+  const VkCommandBufferAllocateInfo commands = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                                .commandPool = slot->pool,
+                                                .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
+                                                .commandBufferCount = 1};
+  result = vulkan_check(device, vk->AllocateCommandBuffers(device->handle, &commands, &slot->commands),
+                        "vkAllocateCommandBuffers");
+  if (result != CSM_SUCCESS)
+    return result;
+  const VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+  result = vulkan_check(device, vk->CreateFence(device->handle, &fence, NULL, &slot->fence), "vkCreateFence");
+  if (result != CSM_SUCCESS)
+    return result;
+  vulkan_name(device, VK_OBJECT_TYPE_COMMAND_POOL, (uint64_t)slot->pool, "csm slot");
+  vulkan_name(device, VK_OBJECT_TYPE_COMMAND_BUFFER, (uint64_t)(uintptr_t)slot->commands, "csm slot");
+  vulkan_name(device, VK_OBJECT_TYPE_FENCE, (uint64_t)slot->fence, "csm slot");
+  if (device->timestamp_mask == 0)
+    return CSM_SUCCESS;
+  const VkQueryPoolCreateInfo queries = {.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
+                                         .queryType = VK_QUERY_TYPE_TIMESTAMP,
+                                         .queryCount = GPU_MAX_TIMESTAMPS};
+  result =
+      vulkan_check(device, vk->CreateQueryPool(device->handle, &queries, NULL, &slot->queries), "vkCreateQueryPool");
+  if (result == CSM_SUCCESS)
+    vulkan_name(device, VK_OBJECT_TYPE_QUERY_POOL, (uint64_t)slot->queries, "csm slot");
+  return result;
+}
+
+void vulkan_slot_destroy(gpu_device *device, vulkan_slot *slot) {
+  device->vk.DestroyQueryPool(device->handle, slot->queries, NULL);
+  device->vk.DestroyFence(device->handle, slot->fence, NULL);
+  device->vk.DestroyCommandPool(device->handle, slot->pool, NULL);
+}
+
+csm_result vulkan_wait(gpu_device *device, uint32_t slot_index) {
+  vulkan_slot *slot = &device->slots[slot_index];
+  if (!slot->submitted)
+    return CSM_SUCCESS;
+  const csm_result result = vulkan_check(
+      device, device->vk.WaitForFences(device->handle, 1, &slot->fence, VK_TRUE, UINT64_MAX), "vkWaitForFences");
+  if (result == CSM_SUCCESS)
+    slot->submitted = false;
+  return result;
+}
+
+/* ---- a recording ---- */
+
+csm_result vulkan_begin(gpu_device *device, uint32_t slot_index, void *native) {
+  (void)native;
+  const vulkan_functions *vk = &device->vk;
+  vulkan_slot *slot = &device->slots[slot_index];
+  csm_result result = vulkan_wait(device, slot_index);
+  if (result == CSM_SUCCESS)
+    result = vulkan_check(device, vk->ResetCommandPool(device->handle, slot->pool, 0), "vkResetCommandPool");
+  const VkCommandBufferBeginInfo info = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
+                                         .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
+  if (result == CSM_SUCCESS)
+    result = vulkan_check(device, vk->BeginCommandBuffer(slot->commands, &info), "vkBeginCommandBuffer");
+  if (result != CSM_SUCCESS)
+    return result;
+  device->slot = slot;
+  device->commands = slot->commands;
+  device->readback_written = false;
+  if (slot->queries)
+    vk->CmdResetQueryPool(device->commands, slot->queries, 0, GPU_MAX_TIMESTAMPS);
+  if (device->recording_lost)
+    memory_barrier(device, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_ACCESS_MEMORY_WRITE_BIT,
+                   VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT);
+  device->recording_lost = false;
+  return CSM_SUCCESS;
+}
+
+csm_result vulkan_end(gpu_device *device) {
+  const vulkan_functions *vk = &device->vk;
+  vulkan_slot *slot = device->slot;
+  rest_images(device);
+  if (device->readback_written)
+    memory_barrier(device, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_HOST_BIT,
+                   VK_ACCESS_HOST_READ_BIT);
+  const VkSubmitInfo submit = {
+      .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &slot->commands};
+  csm_result result = vulkan_check(device, vk->EndCommandBuffer(slot->commands), "vkEndCommandBuffer");
+  if (result == CSM_SUCCESS)
+    result = vulkan_check(device, vk->ResetFences(device->handle, 1, &slot->fence), "vkResetFences");
+  if (result == CSM_SUCCESS)
+    result = vulkan_check(device, vk->QueueSubmit(device->queue, 1, &submit, slot->fence), "vkQueueSubmit");
+  slot->submitted = result == CSM_SUCCESS;
+  device->recording_lost = !slot->submitted;
+  release_images(device, slot->submitted);
+  return result;
+}
+
+void vulkan_marker_begin(gpu_device *device, const char *name) {
+  if (!device->debug)
+    return;
+  const VkDebugUtilsLabelEXT label = {.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT, .pLabelName = name};
+  device->vk.CmdBeginDebugUtilsLabelEXT(device->commands, &label);
+}
+
+void vulkan_marker_end(gpu_device *device) {
+  if (device->debug)
+    device->vk.CmdEndDebugUtilsLabelEXT(device->commands);
+}
+
+/* Outside passes. What follows starts after what went before, so the time between two belongs to what is between. */
+void vulkan_timestamp(gpu_device *device, uint32_t index) {
+  if (!device->slot->queries)
+    return;
+  memory_barrier(device, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0);
+  device->vk.CmdWriteTimestamp(device->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, device->slot->queries, index);
+}
+
+csm_result vulkan_timestamps(gpu_device *device, uint32_t slot_index, uint32_t count, uint64_t *nanoseconds) {
+  const vulkan_slot *slot = &device->slots[slot_index];
+  if (!slot->queries)
+    return vulkan_fail(device, CSM_ERROR_UNSUPPORTED, "the device's queue has no timestamps");
+  csm_result result = vulkan_wait(device, slot_index);
+  if (result != CSM_SUCCESS || count == 0)
+    return result;
+  result =
+      vulkan_check(device,
+                   device->vk.GetQueryPoolResults(device->handle, slot->queries, 0, count, count * sizeof *nanoseconds,
+                                                  nanoseconds, sizeof *nanoseconds, VK_QUERY_RESULT_64_BIT),
+                   "vkGetQueryPoolResults");
+  for (uint32_t i = 0; result == CSM_SUCCESS && i < count; i++)
+    nanoseconds[i] = (uint64_t)((double)(nanoseconds[i] & device->timestamp_mask) * device->timestamp_period_ns);
+  return result;
+}
+
+/* ---- outside passes ---- */
+
+void vulkan_copy_buffer(gpu_device *device, gpu_buffer *to, uint64_t to_offset, gpu_buffer *from, uint64_t from_offset,
+                        uint64_t size) {
+  transfer_range(device, from, from_offset, size);
+  transfer_range(device, to, to_offset, size);
+  if (to->kind == GPU_BUFFER_READBACK) {
+    device->readback_written = true;
+  } else {
+    if (device->vertices_drawn)
+      memory_barrier(device, VK_PIPELINE_STAGE_VERTEX_INPUT_BIT, 0, VK_PIPELINE_STAGE_TRANSFER_BIT, 0);
+    device->vertices_drawn = false;
+    device->vertices_copied = true;
+  }
+  const VkBufferCopy region = {.srcOffset = from_offset, .dstOffset = to_offset, .size = size};
+  device->vk.CmdCopyBuffer(device->commands, from->handle, to->handle, 1, &region);
+}
+
+void vulkan_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *from,
+                       uint32_t layer) {
+  transfer_range(device, to, offset, (uint64_t)row_bytes * from->height);
+  device->readback_written = true;
+  image_use(device, from, layer, 1, &use_copy, false);
+  const VkBufferImageCopy region = {
+      .bufferOffset = offset,
+      .bufferRowLength = row_bytes / vulkan_texel_bytes(from->format),
+      .imageSubresource = {.aspectMask = from->aspect, .baseArrayLayer = layer, .layerCount = 1},
+      .imageExtent = {from->width, from->height, 1}};
+  device->vk.CmdCopyImageToBuffer(device->commands, from->handle, use_copy.layout, to->handle, 1, &region);
+}
+
+void vulkan_clear_depth(gpu_device *device, gpu_image *image, float depth) {
+  image_use(device, image, 0, image->layer_count, &use_clear, true);
+  const VkClearDepthStencilValue value = {.depth = depth};
+  const VkImageSubresourceRange range = {
+      .aspectMask = image->aspect, .levelCount = 1, .layerCount = image->layer_count};
+  device->vk.CmdClearDepthStencilImage(device->commands, image->handle, use_clear.layout, &value, 1, &range);
+  /* One barrier for all layers; else each layer's pass would begin with one, and wait for the pass before it. */
+  image_prepare(device, image, 0, image->layer_count, &use_depth, false);
+}
+
+void vulkan_make_readable(gpu_device *device, gpu_image *image) {
+  image_use(device, image, 0, image->layer_count, &use_read, false);
+}
+
+/* ---- passes ---- */
+
+void vulkan_pass_begin(gpu_device *device, gpu_target *target) {
+  const vulkan_functions *vk = &device->vk;
+  if (device->vertices_copied)
+    memory_barrier(device, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
+                   VK_PIPELINE_STAGE_VERTEX_INPUT_BIT, VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_INDEX_READ_BIT);
+  device->vertices_copied = false;
+  device->vertices_drawn = true;
+  if (target->depth)
+    image_use(device, target->depth, target->depth_layer, 1, &use_depth, false);
+  if (target->color)
+    image_use(device, target->color, target->color_layer, 1, &use_color, true);
+
+  const VkRect2D area = {.extent = {target->width, target->height}};
+  const VkRenderPassBeginInfo info = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
+                                      .renderPass = target->pass,
+                                      .framebuffer = target->framebuffer,
+                                      .renderArea = area};
+  /* Texel row 0 is clip y = +1; this very form gives the bits that vkd3d draws. */
+  const VkViewport viewport = {
+      .y = (float)target->height, .width = (float)target->width, .height = -(float)target->height, .maxDepth = 1};
+  vk->CmdBeginRenderPass(device->commands, &info, VK_SUBPASS_CONTENTS_INLINE);
+  vk->CmdSetViewport(device->commands, 0, 1, &viewport);
+  vk->CmdSetScissor(device->commands, 0, 1, &area);
+}
+
+void vulkan_pass_end(gpu_device *device) {
+  device->vk.CmdEndRenderPass(device->commands);
+}
+
+void vulkan_pass_program(gpu_device *device, gpu_program *program) {
+  device->stream_count = program->stream_count;
+  device->vk.CmdBindPipeline(device->commands, VK_PIPELINE_BIND_POINT_GRAPHICS, program->pipeline);
+}
+
+void vulkan_pass_bind(gpu_device *device, gpu_bindings *bindings, const uint32_t *offsets) {
+  if (bindings->set)
+    device->vk.CmdBindDescriptorSets(device->commands, VK_PIPELINE_BIND_POINT_GRAPHICS, bindings->layout, 0, 1,
+                                     &bindings->set, bindings->constants_count, offsets);
+}
+
+void vulkan_pass_draw(gpu_device *device, const gpu_draw *draw) {
+  const vulkan_functions *vk = &device->vk;
+  VkBuffer streams[GPU_MAX_STREAMS];
+  for (uint32_t i = 0; i < device->stream_count; i++)
+    streams[i] = draw->streams[i]->handle;
+  if (device->stream_count)
+    vk->CmdBindVertexBuffers(device->commands, 0, device->stream_count, streams, draw->stream_offsets);
+  if (!draw->indices) {
+    vk->CmdDraw(device->commands, draw->count, draw->instance_count, 0, 0);
+    return;
+  }
+  vk->CmdBindIndexBuffer(device->commands, draw->indices->handle, draw->index_offset,
+                         draw->index_size == 2 ? VK_INDEX_TYPE_UINT16 : VK_INDEX_TYPE_UINT32);
+  vk->CmdDrawIndexed(device->commands, draw->count, draw->instance_count, 0, 0, 0);
+}
