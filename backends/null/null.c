@@ -156,7 +156,7 @@ static csm_result null_buffer_create(gpu_device *device, const gpu_buffer_info *
   buffer->memory = make(device, info->size);
   if (!buffer->memory) {
     release(device, buffer);
-    return CSM_ERROR_OUT_OF_DEVICE_MEMORY;
+    return CSM_ERROR_OUT_OF_MEMORY;
   }
   *out = buffer;
   return CSM_SUCCESS;
