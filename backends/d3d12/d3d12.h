@@ -17,7 +17,8 @@
 
 #define D3D12_MAX_SLOTS 8
 #define D3D12_MAX_BARRIERS 16
-#define D3D12_BINDING_BLOCKS 1024 /* bindings with textures that can exist at once */
+#define D3D12_BINDING_BLOCKS 1024    /* bindings with textures that can exist at once */
+#define D3D12_FILL_SIZE (128u << 10) /* of each of the two halves of gpu_device.fill: stays in a core's cache */
 
 /* Every state in which shaders of any stage read an image. */
 #define D3D12_STATE_READABLE                                                                                           \
@@ -135,6 +136,9 @@ struct gpu_device {
   uint32_t descriptor_size;
   uint32_t free_block_count;
   uint16_t free_blocks[D3D12_BINDING_BLOCKS];
+
+  /* Where the CPU is the device: texels of depth 0, then of depth 1, to clear by copies; else NULL */
+  ID3D12Resource *fill;
 
   /* GPU_MAX_TIMESTAMPS for each slot */
   ID3D12QueryHeap *queries;

@@ -147,16 +147,35 @@ static HRESULT create_queries(gpu_device *device) {
   return SUCCEEDED(hr) ? ID3D12CommandQueue_GetTimestampFrequency(device->queue, &device->ticks_per_second) : hr;
 }
 
+static HRESULT create_fill(gpu_device *device) {
+  void *memory = NULL;
+  HRESULT hr = d3d12_commit_buffer(device->device, D3D12_HEAP_TYPE_UPLOAD, 2 * D3D12_FILL_SIZE, &device->fill);
+  if (SUCCEEDED(hr))
+    hr = ID3D12Resource_Map(device->fill, 0, NULL, &memory);
+  if (FAILED(hr))
+    return hr;
+  float *texels = memory;
+  const uint32_t count = D3D12_FILL_SIZE / sizeof *texels;
+  for (uint32_t i = 0; i < 2 * count; ++i)
+    texels[i] = i < count ? 0.0f : 1.0f;
+  ID3D12Resource_Unmap(device->fill, 0, NULL);
+  return S_OK;
+}
+
 static csm_result use_device(gpu_device *device, const gpu_open_info *info) {
   HRESULT hr = create_descriptors(device);
   if (SUCCEEDED(hr))
     hr = create_queries(device);
+  if (SUCCEEDED(hr) && device->driver.info.type == CSM_DEVICE_CPU)
+    hr = create_fill(device);
   if (FAILED(hr))
     return d3d12_refuse(info, d3d12_result(hr), "descriptors or queries cannot be made (HRESULT 0x%08x)", (uint32_t)hr);
   return CSM_SUCCESS;
 }
 
 static void leave_device(gpu_device *device) {
+  if (device->fill)
+    ID3D12Resource_Release(device->fill);
   if (device->query_results)
     ID3D12Resource_Release(device->query_results);
   if (device->queries)

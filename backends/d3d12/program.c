@@ -117,7 +117,7 @@ static HRESULT create_pipeline(gpu_device *device, const gpu_program_info *info,
       .RasterizerState = {.FillMode = D3D12_FILL_MODE_SOLID,
                           .CullMode = cull_mode(info->cull),
                           .FrontCounterClockwise = TRUE,
-                          .DepthClipEnable = FALSE},
+                          .DepthClipEnable = info->depth_clip},
       .DepthStencilState = {.DepthEnable = test,
                             .DepthWriteMask = test ? D3D12_DEPTH_WRITE_MASK_ALL : D3D12_DEPTH_WRITE_MASK_ZERO,
                             .DepthFunc = info->depth_compare == GPU_COMPARE_GREATER ? D3D12_COMPARISON_FUNC_GREATER
