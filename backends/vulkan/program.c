@@ -175,7 +175,7 @@ static csm_result pipeline_create(gpu_device *device, gpu_program *program, cons
       .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO, .viewportCount = 1, .scissorCount = 1};
   const VkPipelineRasterizationStateCreateInfo raster = {.sType =
                                                              VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
-                                                         .depthClampEnable = VK_TRUE,
+                                                         .depthClampEnable = !info->depth_clip,
                                                          .polygonMode = VK_POLYGON_MODE_FILL,
                                                          .cullMode = cull_mode(info->cull),
                                                          .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,

@@ -191,6 +191,29 @@ static void mask_agrees_with_rays(void **state) {
   }
 }
 
+/* What lies before the near plane is not seen, though it casts. */
+static void the_camera_clips_at_its_near_plane(void **state) {
+  (void)state;
+  drawn d;
+  const csm_config config = support_config();
+  draw(&d, &config);
+  resolve(&d);
+  float *before = support_read(d.cascades, CSM_READ_CAMERA_DEPTH, 0, width, height);
+  const double eye[3] = {-4, 6, 12}, ahead[3] = {0, 0, -4};
+  csm_instance *box = &d.scene.instances[5];
+  for (int i = 0; i < 3; ++i) {
+    box->transform[i * 5] = 0.05;
+    box->transform[12 + i] = eye[i] + (ahead[i] - eye[i]) * 0.003;
+  }
+  resolve(&d);
+  float *after = support_read(d.cascades, CSM_READ_CAMERA_DEPTH, 0, width, height);
+  for (uint32_t i = 0; i < width * height; ++i)
+    assert_true(after[i] <= before[i]);
+  free(before);
+  free(after);
+  finish(&d);
+}
+
 static bool same(const float *a, const float *b, size_t count) {
   return !memcmp(a, b, count * sizeof *a);
 }
@@ -288,7 +311,8 @@ static void stats_count_and_measure(void **state) {
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(maps_hold_the_nearest_casters), cmocka_unit_test(nearer_casters_are_not_lost),
-      cmocka_unit_test(mask_agrees_with_rays),         cmocka_unit_test(frames_in_flight_do_not_disturb_each_other),
+      cmocka_unit_test(mask_agrees_with_rays),         cmocka_unit_test(the_camera_clips_at_its_near_plane),
+      cmocka_unit_test(frames_in_flight_do_not_disturb_each_other),
       cmocka_unit_test(an_empty_scene_is_lit),         cmocka_unit_test(stats_count_and_measure),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
