@@ -1,0 +1,152 @@
+/* agreement.c: two backends draw the same random scenes: plans and maps equal in every bit, masks as design says. */
+#include "support.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { width = 320, height = 200, boxes = 300, scenes = 24 };
+
+typedef struct side {
+  record record;
+  csm_context *context;
+  csm_mesh meshes[2];
+  csm_cascades *cascades;
+} side;
+
+/* Numbers that are the same on every machine and run. */
+static double uniform(uint64_t *state, double low, double high) {
+  *state = *state * 6364136223846793005ull + 1442695040888963407ull;
+  return low + (high - low) * (double)(*state >> 11) / (double)(1ull << 53);
+}
+
+/* A box of any orientation, size and shear, in a flat landscape about `centre`. */
+static void random_transform(uint64_t *state, const double centre[3], double out[16]) {
+  for (int i = 0; i < 12; ++i)
+    out[i] = i % 4 == 3 ? 0 : uniform(state, -1.5, 1.5);
+  for (int i = 0; i < 3; ++i)
+    out[i * 5] += out[i * 5] < 0 ? -0.5 : 0.5;
+  out[12] = centre[0] + uniform(state, -60, 60);
+  out[13] = centre[1] + uniform(state, 0, 12);
+  out[14] = centre[2] + uniform(state, -60, 60);
+  out[15] = 1;
+}
+
+typedef struct random_scene {
+  csm_config config;
+  csm_frame frame;
+  uint32_t shape[boxes + 1];
+  double transforms[boxes + 1][16];
+} random_scene;
+
+static void make_scene(random_scene *out, uint64_t seed) {
+  uint64_t state = seed * 7919 + 1;
+  const double away = seed % 3 == 2 ? 1e6 : 0;
+  const double centre[3] = {away, 0, -away / 3};
+  out->config = (csm_config){.struct_size = sizeof out->config};
+  assert_int_equal(csm_config_default(&out->config), CSM_SUCCESS);
+  out->config.cascade_count = 1 + (uint32_t)(seed % 8);
+  out->config.resolution = (const uint32_t[]){256, 333, 512, 1024}[seed % 4];
+  out->config.filter = (uint32_t)(seed / 2 % 2);
+  out->config.shadow_distance = uniform(&state, 40, 160);
+  out->config.bias_normal_texels = seed % 5 == 4 ? 1.5 : 0;
+  out->frame = (csm_frame){.struct_size = sizeof out->frame};
+  for (int i = 0; i < 3; ++i)
+    out->frame.light_direction[i] = uniform(&state, -1, i == 1 ? -0.1 : 1);
+  const double eye[3] = {centre[0] + uniform(&state, -30, 30), centre[1] + uniform(&state, 2, 25),
+                         centre[2] + uniform(&state, -30, 30)};
+  const double target[3] = {centre[0], centre[1] + 2, centre[2] + 0.5};
+  support_look_at(out->frame.view, eye, target);
+  support_perspective(out->frame.projection, uniform(&state, 25, 90), (double)width / height, 0.2, seed % 2 ? 0 : 400);
+  for (uint32_t i = 0; i <= boxes; ++i) {
+    out->shape[i] = i < boxes;
+    random_transform(&state, centre, out->transforms[i]);
+  }
+  const double ground[16] = {80, 0, 0, 0, 0, 1, 0, 0, 0, 0, 80, 0, centre[0], centre[1], centre[2], 1};
+  memcpy(out->transforms[boxes], ground, sizeof ground);
+}
+
+static void open_side(side *side, const char *backend) {
+  memset(side, 0, sizeof *side);
+  support_create_info(&side->record);
+  side->record.backend = backend;
+  side->context = support_open(&side->record);
+  side->meshes[0] = support_square(side->context);
+  side->meshes[1] = support_box(side->context, 2);
+}
+
+static void draw(side *side, const random_scene *scene) {
+  csm_instance instances[boxes + 1];
+  csm_frame frame = scene->frame;
+  for (uint32_t i = 0; i <= boxes; ++i) {
+    instances[i] = support_instance(side->meshes[scene->shape[i]], 0, 0, 0, 1, 1, 1);
+    memcpy(instances[i].transform, scene->transforms[i], sizeof scene->transforms[i]);
+  }
+  frame.instances = instances;
+  frame.instance_count = boxes + 1;
+  assert_int_equal(csm_cascades_create(side->context, &scene->config, &side->cascades), CSM_SUCCESS);
+  assert_int_equal(csm_render_cascades(side->cascades, &frame), CSM_SUCCESS);
+  const csm_mask_info mask = {.struct_size = sizeof mask, .frame = &frame, .width = width, .height = height};
+  assert_int_equal(csm_resolve_mask(side->cascades, &mask), CSM_SUCCESS);
+}
+
+static void compare_plans(const side *a, const side *b) {
+  csm_stats stats[2] = {{.struct_size = sizeof stats[0]}, {.struct_size = sizeof stats[0]}};
+  csm_binding bindings[2] = {{.struct_size = sizeof bindings[0]}, {.struct_size = sizeof bindings[0]}};
+  const side *sides[2] = {a, b};
+  for (int i = 0; i < 2; ++i) {
+    assert_int_equal(csm_get_stats(sides[i]->cascades, &stats[i]), CSM_SUCCESS);
+    assert_int_equal(csm_bind(sides[i]->cascades, &bindings[i]), CSM_SUCCESS);
+    bindings[i].native_maps = bindings[i].native_mask = 0;
+    assert_true(stats[i].cascades[0].casters_drawn > 0);
+  }
+  assert_true(stats[0].plan_hash == stats[1].plan_hash);
+  assert_memory_equal(&bindings[0], &bindings[1], sizeof bindings[0]);
+}
+
+static uint32_t differing(const float *a, const float *b, uint32_t count, float tolerance) {
+  uint32_t differ = 0;
+  for (uint32_t i = 0; i < count; ++i)
+    differ += fabsf(a[i] - b[i]) > tolerance;
+  return differ;
+}
+
+static void compare_images(const side *a, const side *b, uint32_t source, uint32_t cascade, uint32_t w, uint32_t h,
+                           float tolerance, uint32_t allowed) {
+  float *left = support_read(a->cascades, source, cascade, w, h);
+  float *right = support_read(b->cascades, source, cascade, w, h);
+  const uint32_t differ = differing(left, right, w * h, tolerance);
+  if (differ > allowed)
+    fail_msg("source %u, cascade %u: %u of %u differ, %u may", source, cascade, differ, w * h, allowed);
+  free(left);
+  free(right);
+}
+
+static void backends_agree(void **state) {
+  (void)state;
+  side a, b;
+  open_side(&a, "vulkan");
+  open_side(&b, "d3d12");
+  for (uint64_t seed = 0; seed < scenes; ++seed) {
+    random_scene scene;
+    make_scene(&scene, seed);
+    draw(&a, &scene);
+    draw(&b, &scene);
+    compare_plans(&a, &b);
+    const uint32_t resolution = scene.config.resolution;
+    for (uint32_t cascade = 0; cascade < scene.config.cascade_count; ++cascade)
+      compare_images(&a, &b, CSM_READ_MAP, cascade, resolution, resolution, 0, 0);
+    compare_images(&a, &b, CSM_READ_CAMERA_DEPTH, 0, width, height, 0, 0);
+    compare_images(&a, &b, CSM_READ_MASK, 0, width, height, 1.0f / 255 + 1e-6f, width * height / 10000);
+    assert_int_equal(csm_cascades_destroy(a.cascades), CSM_SUCCESS);
+    assert_int_equal(csm_cascades_destroy(b.cascades), CSM_SUCCESS);
+  }
+  support_close(a.context, &a.record);
+  support_close(b.context, &b.record);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(backends_agree)};
+  return cmocka_run_group_tests_name("agreement", tests, NULL, NULL);
+}
