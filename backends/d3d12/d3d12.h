@@ -74,6 +74,7 @@ struct gpu_buffer {
   uint64_t size;
   D3D12_GPU_VIRTUAL_ADDRESS address;
   void *memory;
+  uint64_t copied_begin, copied_end; /* what was copied here since the last barrier lies between; end 0: nothing */
 };
 
 struct gpu_image {

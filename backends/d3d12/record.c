@@ -1,11 +1,8 @@
 /*
- * record.c: recording. States are kept in the order of recording, and barriers are gathered until the next command
- * that needs them.
- *
- * Images rest, between recordings, in the state that shaders read them in. Buffers of the device's own memory are in
- * COMMON between recordings, as D3D12 has it, and are promoted by their first use; a copy into one is followed by a
- * barrier before the next pass and before the end. That a copy need not wait for earlier recordings' reads is the
- * front's word: it writes only where no recording in flight reads.
+ * record.c: recording. States are kept in the order of recording, across recordings, and barriers are gathered until
+ * the next command that needs them. Images rest, between recordings, in the state that shaders read them in, and
+ * buffers of the device's own memory in that which draws and copies read them in. Buffers never decay to COMMON here:
+ * vkd3d knows neither decay nor promotion, and only a barrier from the state before makes it wait for earlier reads.
  */
 #include "d3d12.h"
 
@@ -15,19 +12,23 @@ static void flush_barriers(gpu_device *device) {
   device->barrier_count = 0;
 }
 
-/* Moves a whole resource to another state, with the next flush. */
-static void transition(gpu_device *device, d3d12_resource *resource, D3D12_RESOURCE_STATES state) {
-  if (resource->state == state)
-    return;
+static void barrier(gpu_device *device, const d3d12_resource *resource, D3D12_RESOURCE_STATES before,
+                    D3D12_RESOURCE_STATES after) {
   if (device->barrier_count == D3D12_MAX_BARRIERS)
     flush_barriers(device);
   device->barriers[device->barrier_count++] = (D3D12_RESOURCE_BARRIER){
       .Type = D3D12_RESOURCE_BARRIER_TYPE_TRANSITION,
       .Transition = {.pResource = resource->handle,
                      .Subresource = D3D12_RESOURCE_BARRIER_ALL_SUBRESOURCES,
-                     .StateBefore = resource->state,
-                     .StateAfter = state},
+                     .StateBefore = before,
+                     .StateAfter = after},
   };
+}
+
+/* Moves a whole resource to another state, with the next flush. */
+static void transition(gpu_device *device, d3d12_resource *resource, D3D12_RESOURCE_STATES state) {
+  if (resource->state != state)
+    barrier(device, resource, resource->state, state);
   resource->state = state;
 }
 
@@ -81,15 +82,30 @@ void d3d12_timestamp(gpu_device *device, uint32_t index) {
     device->timestamp_count = index + 1;
 }
 
+/*
+ * Makes a range of a buffer the next copy's destination. vkd3d does not order two copies into one place by itself; a
+ * barrier from a state to itself, which readback buffers never leave, is one between two writes for it.
+ */
+static void use_copy_destination(gpu_device *device, gpu_buffer *buffer, uint64_t begin, uint64_t size) {
+  const uint64_t end = begin + size;
+  const bool moves = buffer->resource.state != D3D12_RESOURCE_STATE_COPY_DEST;
+  if (moves)
+    touch(device, &buffer->resource);
+  if (moves || (begin < buffer->copied_end && buffer->copied_begin < end)) {
+    barrier(device, &buffer->resource, buffer->resource.state, D3D12_RESOURCE_STATE_COPY_DEST);
+    buffer->resource.state = D3D12_RESOURCE_STATE_COPY_DEST;
+    buffer->copied_end = 0;
+  }
+  if (buffer->copied_end == 0 || begin < buffer->copied_begin)
+    buffer->copied_begin = begin;
+  if (buffer->copied_end < end)
+    buffer->copied_end = end;
+}
+
 void d3d12_copy_buffer(gpu_device *device, gpu_buffer *to, uint64_t to_offset, gpu_buffer *from, uint64_t from_offset,
                        uint64_t size) {
-  if (to->kind == GPU_BUFFER_DEVICE) {
-    touch(device, &to->resource);
-    if (to->resource.state == D3D12_RESOURCE_STATE_COMMON)
-      to->resource.state = D3D12_RESOURCE_STATE_COPY_DEST;
-    transition(device, &to->resource, D3D12_RESOURCE_STATE_COPY_DEST);
-  }
-  if (from->kind == GPU_BUFFER_DEVICE && from->resource.touched)
+  use_copy_destination(device, to, to_offset, size);
+  if (from->kind == GPU_BUFFER_DEVICE)
     transition(device, &from->resource, D3D12_STATE_GEOMETRY);
   flush_barriers(device);
   ID3D12GraphicsCommandList_CopyBufferRegion(device->list, to->resource.handle, to_offset, from->resource.handle,
@@ -115,6 +131,7 @@ void d3d12_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint3
                                         .Depth = 1,
                                         .RowPitch = row_bytes}},
   };
+  use_copy_destination(device, to, offset, (uint64_t)row_bytes * info->height);
   use_image(device, from, D3D12_RESOURCE_STATE_COPY_SOURCE);
   flush_barriers(device);
   ID3D12GraphicsCommandList_CopyTextureRegion(device->list, &destination, 0, 0, 0, &source, NULL);
@@ -263,8 +280,6 @@ static void rest(gpu_device *device) {
   for (d3d12_resource *resource = device->touched, *next; resource; resource = next) {
     next = resource->next_touched;
     transition(device, resource, resource->rest);
-    if (resource->rest == D3D12_STATE_GEOMETRY)
-      resource->state = D3D12_RESOURCE_STATE_COMMON; /* where D3D12 lets buffers decay to when a recording is done */
     resource->touched = false;
   }
   device->touched = NULL;
