@@ -24,11 +24,12 @@ SPIRV_OPTIONS = (
 INCLUDE = re.compile(r'\s*#\s*include\s*"([^"]+)"')
 
 
-def flatten(path, root, open_files=()):
-    """The text of a shader with its includes pasted in."""
+def flatten(path, root, marked=False, open_files=()):
+    """The text of a shader with its includes pasted in; `marked` with #line, which vkd3d's compiler does not take."""
     if path in open_files:
         sys.exit(f"{path}: includes itself")
-    lines = []
+    mark = (lambda number: [f'#line {number} "{path.relative_to(root)}"']) if marked else (lambda number: [])
+    lines = mark(1)
     for number, line in enumerate(path.read_text().splitlines(), 1):
         include = INCLUDE.match(line)
         if not include:
@@ -37,7 +38,8 @@ def flatten(path, root, open_files=()):
         found = next((p for p in (path.parent / include[1], root / include[1]) if p.is_file()), None)
         if not found:
             sys.exit(f"{path}:{number}: there is no {include[1]}")
-        lines.append(flatten(found.resolve(), root, open_files + (path,)))
+        lines.append(flatten(found.resolve(), root, marked, open_files + (path,)))
+        lines += mark(number + 1)
     return "\n".join(lines) + "\n"
 
 
@@ -62,7 +64,7 @@ def run(*command):
 
 def make_spirv(glslang, spirv_val, name, path, folder):
     source, output = folder / f"{name}.hlsl", folder / f"{name}.spv"
-    source.write_text(flatten(path, path.parent))
+    source.write_text(flatten(path, path.parent, marked=True))
     run(glslang, *SPIRV_OPTIONS, "-S", STAGES[name.split(".")[1]][0], "-o", output, source)
     run(spirv_val, "--target-env", "vulkan1.1", output)
     return output.read_bytes()
@@ -82,7 +84,7 @@ def embed(out_c, out_h, glslang, spirv_val, *paths):
               '#include "gpu.h"', ""]
     source = ["/* Made by shaders/compile.py. */", '#include "shader_code.h"', ""]
     with tempfile.TemporaryDirectory() as folder:
-        for path in map(pathlib.Path, paths):
+        for path in (pathlib.Path(p).resolve() for p in paths):
             name = path.name.removesuffix(".hlsl")
             blob = path.parent / "dxbc" / f"{name}.dxbc"
             if not blob.is_file():
