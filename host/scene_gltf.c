@@ -1,5 +1,4 @@
 /* scene_gltf.c: glTF files, through Assimp. */
-#define _POSIX_C_SOURCE 200809L
 #include "host.h"
 #include "image.h"
 #include "linear.h"

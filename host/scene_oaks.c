@@ -2,7 +2,6 @@
  * scene_oaks.c: five oaks on a small terrain, put together as the cascaded-shadow example of a public Vulkan sample
  * collection does it. Its two files come from a folder that may lie beside the checkout, and are not part of it.
  */
-#define _POSIX_C_SOURCE 200809L
 #include "host.h"
 #include "linear.h"
 #include "scene.h"

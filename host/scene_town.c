@@ -433,7 +433,7 @@ void scene_make_town(scene *s) {
     }
   add_streets(s, &m);
   add_outskirts(s, &m);
-  s->camera = (camera_pose){.position = {-1.0, 7.0, 60.0},
+  s->camera = (camera_pose){.position = {-1.5, 7.0, 56.0},
                             .target = {17.0, 5.6, 20.0},
                             .vertical_fov_deg = 60.0,
                             .near_depth = 0.2,

@@ -1,4 +1,3 @@
-#define _POSIX_C_SOURCE 200809L
 #include "trace.h"
 #include "host.h"
 #include "linear.h"
@@ -147,19 +146,22 @@ static void fill_surface(const tracer *t, const struct RTCRayHit *found, trace_s
   for (uint32_t i = 0; i < 3; i++)
     corner[i] = scene_index(mesh, 3 * found->hit.primID + i);
 
-  float local[3] = {found->hit.Ng_x, found->hit.Ng_y, found->hit.Ng_z}, tint[3] = {1, 1, 1};
+  const float geometric[3] = {found->hit.Ng_x, found->hit.Ng_y, found->hit.Ng_z};
+  float local[3], tint[3] = {1, 1, 1};
+  memcpy(local, geometric, sizeof local);
   if (mesh->normals)
     interpolate(local, mesh->normals, corner, found->hit.u, found->hit.v);
   if (mesh->colors)
     interpolate(tint, mesh->colors, corner, found->hit.u, found->hit.v);
-  double normal[3];
+  double face[3], normal[3];
+  transform_normal(face, instance->transform, geometric);
   transform_normal(normal, instance->transform, local);
   if (!vec_normalize(normal))
     normal[1] = 1.0;
   const float shade = t->scene->instance_count > 200 && mesh->index_count < 9000 ? instance_shade(index) : 1.0f;
   double facing = 0.0;
   for (int i = 0; i < 3; i++)
-    facing += normal[i] * surface->ray[i];
+    facing += face[i] * surface->ray[i];
   for (int i = 0; i < 3; i++) {
     surface->normal[i] = (float)(facing > 0.0 ? -normal[i] : normal[i]);
     surface->color[i] = t->scene->materials[mesh->material].color[i] * tint[i] * shade;

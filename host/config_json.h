@@ -1,0 +1,20 @@
+/* config_json.h: configurations in JSON. The keys are csm_config's fields, as csm_config_describe gives them. */
+#ifndef HOST_CONFIG_JSON_H
+#define HOST_CONFIG_JSON_H
+
+#include "csm/csm.h"
+#include <jansson.h>
+
+/*
+ * The default configuration with the scene's shadow distance, then what the file says; `path` may be NULL. Ranges are
+ * the library's to check. 0, or HOST_BAD_INPUT after a message that names the key.
+ */
+int config_load(csm_config *out, const char *path, double shadow_distance);
+
+/* A new object with every field's value. Enumerations by name. */
+json_t *config_to_json(const csm_config *config);
+
+/* A new object with every field's type, unit, range (least and greatest, or an enumeration's names), default, about. */
+json_t *config_describe_json(void);
+
+#endif

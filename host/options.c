@@ -1,0 +1,215 @@
+#include "options.h"
+#include "config_json.h"
+#include "camera_json.h"
+#include "host.h"
+#include "linear.h"
+#include "parse.h"
+#include <math.h>
+#include <string.h>
+
+const char *const host_backend_names[HOST_BACKENDS] = {"vulkan", "d3d12"};
+
+static const char help[] =
+    "csm-host: draws cascaded shadows on both backends and compares them\n"
+    "\n"
+    "  csm-host run    [options]   draw one frame on each backend, compare, write pictures\n"
+    "  csm-host bench  [options]   time the depth pass of each backend against a bare loop, in turn\n"
+    "  csm-host config             every key of a configuration with its unit, range and default, as JSON\n"
+    "  csm-host --help\n"
+    "\n"
+    "  --scene NAME|FILE           valley (default), town, oaks, or a .gltf or .glb file\n"
+    "  --camera px,py,pz:tx,ty,tz:vfov_deg[:near:far]   or a JSON file like a dump's frame.json\n"
+    "  --light x,y,z[:disc_deg]    the way the light travels, and the sun's apparent diameter\n"
+    "  --shadow-distance m         view depth up to which shadows matter\n"
+    "  --size WxH                  pixels; 1280x720\n"
+    "  --config FILE.json          keys as `csm-host config` lists them; the rest keeps its default\n"
+    "  --preset NAME               a configuration by name (there are none in this version)\n"
+    "  --backend vulkan|d3d12|both both is the default\n"
+    "  --device NAME               part of the device's name\n"
+    "  --out DIR                   where pictures go; out\n"
+    "  --json FILE|-               the numbers as JSON\n"
+    "  --dump DIR                  geometry, matrices, maps and masks of each backend\n"
+    "  --quick                     bench: 5 pairs instead of 31\n"
+    "\n"
+    "Exit codes: 0 the backends agree, 1 they differ, 2 bad input, 3 no device or backend.\n";
+
+void options_print_help(FILE *to) {
+  fputs(help, to);
+}
+
+static int parse_light(host_options *out, const char *value) {
+  const char *colon = strchr(value, ':');
+  char direction[256];
+  const int length = (int)(colon ? (size_t)(colon - value) : strlen(value));
+  if ((size_t)snprintf(direction, sizeof direction, "%.*s", length, value) >= sizeof direction ||
+      parse_numbers(direction, ',', out->light.direction, 3) != 3)
+    return host_fail(HOST_BAD_INPUT, "--light: not x,y,z[:disc_deg]: '%s'", value);
+  if (vec_length(out->light.direction) == 0.0)
+    return host_fail(HOST_BAD_INPUT, "--light: the direction must not be zero");
+  out->light.disc_deg = 0.0;
+  if (colon &&
+      (!parse_number(colon + 1, &out->light.disc_deg) || out->light.disc_deg < 0.0 || out->light.disc_deg >= 180.0))
+    return host_fail(HOST_BAD_INPUT, "--light: the disc must be 0 to 180 degrees: '%s'", colon + 1);
+  out->has_light = true;
+  return 0;
+}
+
+static int parse_shadow_distance(host_options *out, const char *value) {
+  if (!parse_number(value, &out->shadow_distance) || !(out->shadow_distance > 0.0))
+    return host_fail(HOST_BAD_INPUT, "--shadow-distance: not a positive number of metres: '%s'", value);
+  out->has_shadow_distance = true;
+  return 0;
+}
+
+static int parse_picture_size(host_options *out, const char *value) {
+  if (!parse_size(value, &out->width, &out->height))
+    return host_fail(HOST_BAD_INPUT, "--size: not WxH with 1 to 16384 pixels a side: '%s'", value);
+  out->has_size = true;
+  return 0;
+}
+
+static int parse_backend(host_options *out, const char *value) {
+  bool known = false;
+  for (int i = 0; i < HOST_BACKENDS; i++) {
+    out->backends[i] = strcmp(value, "both") == 0 || strcmp(value, host_backend_names[i]) == 0;
+    known = known || out->backends[i];
+  }
+  return known ? 0 : host_fail(HOST_BAD_INPUT, "--backend: not vulkan, d3d12 or both: '%s'", value);
+}
+
+static int parse_preset(host_options *out, const char *value) {
+  (void)out;
+  return host_fail(HOST_BAD_INPUT, "--preset: no preset is called '%s'; there are none in this version", value);
+}
+
+/* An option that keeps its text, or one with a function that understands it. */
+typedef struct option {
+  const char *name;
+  int (*parse)(host_options *out, const char *value);
+  const char **text;
+} option;
+
+static int parse_option(host_options *out, const char *name, const char *value) {
+  const option known[] = {{"--scene", NULL, &out->scene},       {"--camera", NULL, &out->camera_text},
+                          {"--light", parse_light, NULL},       {"--shadow-distance", parse_shadow_distance, NULL},
+                          {"--size", parse_picture_size, NULL}, {"--config", NULL, &out->config_file},
+                          {"--preset", parse_preset, NULL},     {"--backend", parse_backend, NULL},
+                          {"--device", NULL, &out->device},     {"--out", NULL, &out->out},
+                          {"--json", NULL, &out->json},         {"--dump", NULL, &out->dump}};
+  for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
+    if (strcmp(name, known[i].name) != 0)
+      continue;
+    if (!value || *value == '\0')
+      return host_fail(HOST_BAD_INPUT, "%s: needs a value", name);
+    if (known[i].parse)
+      return known[i].parse(out, value);
+    *known[i].text = value;
+    return 0;
+  }
+  return host_fail(HOST_BAD_INPUT, "unknown option '%s'", name);
+}
+
+static int parse_command(host_options *out, const char *name) {
+  static const char *const names[] = {[COMMAND_CONFIG] = "config", [COMMAND_RUN] = "run", [COMMAND_BENCH] = "bench"};
+  for (int i = COMMAND_CONFIG; i <= COMMAND_BENCH; i++)
+    if (strcmp(name, names[i]) == 0) {
+      out->command = (host_command)i;
+      return 0;
+    }
+  if (strcmp(name, "measure") == 0 || strcmp(name, "report") == 0)
+    return host_fail(HOST_BAD_INPUT, "'%s' is not in this version", name);
+  return host_fail(HOST_BAD_INPUT, "unknown command '%s' (run, bench, config, --help)", name);
+}
+
+int options_parse(host_options *out, int count, char **arguments) {
+  *out = (host_options){.scene = "valley", .width = 1280, .height = 720, .backends = {true, true}, .out = "out"};
+  for (int i = 1; i < count; i++)
+    if (strcmp(arguments[i], "--help") == 0 || strcmp(arguments[i], "-h") == 0)
+      return 0;
+  if (count < 2) {
+    options_print_help(stderr);
+    return HOST_BAD_INPUT;
+  }
+  int code = parse_command(out, arguments[1]);
+  for (int i = 2; code == 0 && i < count; i++) {
+    if (strcmp(arguments[i], "--quick") == 0) {
+      out->quick = true;
+      continue;
+    }
+    code = parse_option(out, arguments[i], i + 1 < count ? arguments[i + 1] : NULL);
+    i++;
+  }
+  return code;
+}
+
+/* ---- setting up ---- */
+
+static bool is_json_file(const char *text) {
+  const char *dot = strrchr(text, '.');
+  return dot && strcmp(dot, ".json") == 0;
+}
+
+/* px,py,pz:tx,ty,tz:vfov_deg[:near:far]; what is not given is the scene's. */
+static int pose_from_text(camera_pose *pose, const char *text) {
+  char parts[1024];
+  char *part[6];
+  uint32_t count = 0;
+  if ((size_t)snprintf(parts, sizeof parts, "%s", text) >= sizeof parts)
+    return host_fail(HOST_BAD_INPUT, "--camera: too long");
+  part[count++] = parts;
+  for (char *at = parts; *at && count < 6; at++)
+    if (*at == ':') {
+      *at = '\0';
+      part[count++] = at + 1;
+    }
+  if ((count != 3 && count != 5) || parse_numbers(part[0], ',', pose->position, 3) != 3 ||
+      parse_numbers(part[1], ',', pose->target, 3) != 3 || !parse_number(part[2], &pose->vertical_fov_deg) ||
+      (count == 5 && (!parse_number(part[3], &pose->near_depth) || !parse_number(part[4], &pose->far_depth))))
+    return host_fail(HOST_BAD_INPUT, "--camera: neither px,py,pz:tx,ty,tz:vfov_deg[:near:far] nor a .json file: '%s'",
+                     text);
+  return 0;
+}
+
+static int setup_camera(host_setup *out, const host_options *options) {
+  if (options->camera_text && is_json_file(options->camera_text)) {
+    uint32_t width = 0, height = 0;
+    const int code = camera_from_json(&out->camera, &width, &height, options->camera_text);
+    if (code == 0 && width > 0 && !options->has_size) {
+      out->width = width;
+      out->height = height;
+    }
+    return code;
+  }
+  camera_pose pose = out->scene.camera;
+  if (options->camera_text) {
+    const int code = pose_from_text(&pose, options->camera_text);
+    if (code)
+      return code;
+  }
+  const char *problem = camera_pose_check(&pose);
+  if (problem)
+    return host_fail(HOST_BAD_INPUT, "--camera: %s", problem);
+  camera_from_pose(&out->camera, &pose, (double)out->width / out->height);
+  return 0;
+}
+
+int setup_load(host_setup *out, const host_options *options) {
+  memset(out, 0, sizeof *out);
+  host_progress("loading the scene");
+  int code = scene_load(&out->scene, options->scene);
+  host_progress("");
+  if (code)
+    return code;
+  out->width = options->width;
+  out->height = options->height;
+  out->light = options->has_light ? options->light : out->scene.light;
+  out->shadow_distance = options->has_shadow_distance ? options->shadow_distance : out->scene.shadow_distance;
+  code = setup_camera(out, options);
+  if (code == 0)
+    code = config_load(&out->config, options->config_file, out->shadow_distance);
+  return code;
+}
+
+void setup_free(host_setup *setup) {
+  scene_free(&setup->scene);
+}

@@ -1,0 +1,52 @@
+/* options.h: the command line. */
+#ifndef HOST_OPTIONS_H
+#define HOST_OPTIONS_H
+
+#include "camera.h"
+#include "csm/csm.h"
+#include "scene.h"
+#include <stdio.h>
+
+typedef enum host_command { COMMAND_HELP, COMMAND_CONFIG, COMMAND_RUN, COMMAND_BENCH } host_command;
+
+#define HOST_BACKENDS 2
+
+typedef struct host_options {
+  host_command command;
+  const char *scene;
+  const char *camera_text; /* as given; NULL: the scene's own */
+  bool has_light, has_shadow_distance, has_size;
+  scene_light light;
+  double shadow_distance;
+  uint32_t width, height;
+  const char *config_file;      /* NULL: the default configuration */
+  bool backends[HOST_BACKENDS]; /* which of host_backend_names */
+  const char *device;           /* part of a device's name, or NULL */
+  const char *out;              /* folder for pictures */
+  const char *json;             /* file, "-" for stdout, or NULL */
+  const char *dump;             /* folder, or NULL */
+  bool quick;                   /* bench: fewer pairs */
+} host_options;
+
+extern const char *const host_backend_names[HOST_BACKENDS];
+
+/* 0, or HOST_BAD_INPUT after a message that names the option. */
+int options_parse(host_options *out, int count, char **arguments);
+void options_print_help(FILE *to);
+
+/* What one frame is made of: the scene with the options applied. */
+typedef struct host_setup {
+  scene scene;
+  camera camera;
+  scene_light light;
+  double shadow_distance; /* the scene's */
+  uint32_t width, height;
+  csm_config config;
+} host_setup;
+
+/* Loads the scene, the camera and the configuration. 0, or HOST_BAD_INPUT after a message. setup_free is always
+ * allowed. */
+int setup_load(host_setup *out, const host_options *options);
+void setup_free(host_setup *setup);
+
+#endif

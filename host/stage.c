@@ -1,0 +1,193 @@
+#include "stage.h"
+#include "host.h"
+#include <stdlib.h>
+#include <string.h>
+
+#define TIMED_FRAMES 3
+
+static void CSM_CALL log_message(void *user, int32_t level, const char *message) {
+  const stage *s = user;
+  if (level == CSM_LOG_ERROR || level == CSM_LOG_WARNING)
+    fprintf(stderr, "csm-host: %s: %s: %s\n", s->backend, level == CSM_LOG_ERROR ? "error" : "warning", message);
+}
+
+/* Whether the input is at fault, or the machine. What is wrong has been told to the log. */
+static int exit_code(csm_result result) {
+  switch (result) {
+  case CSM_SUCCESS:
+    return 0;
+  case CSM_ERROR_NOT_FINITE:
+  case CSM_ERROR_INVALID_VALUE:
+  case CSM_ERROR_INVALID_MATRIX:
+  case CSM_ERROR_INVALID_CAMERA:
+  case CSM_ERROR_INVALID_LIGHT:
+  case CSM_ERROR_INVALID_INDEX:
+  case CSM_ERROR_LIMIT_EXCEEDED:
+  case CSM_ERROR_UNSUPPORTED:
+    return HOST_BAD_INPUT;
+  default:
+    return HOST_NO_DEVICE;
+  }
+}
+
+static void describe_device(stage *s) {
+  csm_backend_info infos[8] = {{.struct_size = sizeof infos[0]}};
+  uint32_t count = 8;
+  if (csm_query_backends(&count, infos) != CSM_SUCCESS)
+    return;
+  for (uint32_t i = 0; i < count && i < 8; i++)
+    if (strcmp(infos[i].name, s->backend) == 0) {
+      memcpy(s->device, infos[i].device, sizeof s->device);
+      memcpy(s->driver, infos[i].driver, sizeof s->driver);
+    }
+}
+
+int stage_open(stage *out, const char *backend, const char *device) {
+  *out = (stage){.backend = backend};
+  const csm_create_info info = {.struct_size = sizeof info,
+                                .version = CSM_VERSION,
+                                .backend = backend,
+                                .device = device,
+                                .log = log_message,
+                                .user = out};
+  if (csm_create(&info, &out->context) != CSM_SUCCESS)
+    return HOST_NO_DEVICE;
+  describe_device(out);
+  return 0;
+}
+
+void stage_close(stage *s) {
+  csm_destroy(s->context);
+  free(s->meshes);
+  free(s->instances);
+  *s = (stage){0};
+}
+
+static int upload_meshes(stage *s, const scene *from) {
+  s->meshes = host_allocate(from->mesh_count, sizeof *s->meshes);
+  for (size_t m = 0; m < from->mesh_count; m++) {
+    const scene_mesh *mesh = &from->meshes[m];
+    const csm_mesh_info info = {.struct_size = sizeof info,
+                                .positions = mesh->positions,
+                                .vertex_count = mesh->vertex_count,
+                                .indices = mesh->indices,
+                                .index_count = mesh->index_count,
+                                .index_size = mesh->index_size,
+                                .name = mesh->name};
+    const int code = exit_code(csm_mesh_create(s->context, &info, &s->meshes[m]));
+    if (code)
+      return code;
+  }
+  return 0;
+}
+
+static void place_instances(stage *s, const scene *from) {
+  s->instances = host_allocate(from->instance_count, sizeof *s->instances);
+  for (size_t i = 0; i < from->instance_count; i++) {
+    s->instances[i].struct_size = sizeof *s->instances;
+    s->instances[i].mesh = s->meshes[from->instances[i].mesh];
+    memcpy(s->instances[i].transform, from->instances[i].transform, sizeof s->instances[i].transform);
+  }
+}
+
+int stage_load(stage *s, const host_setup *setup) {
+  s->setup = setup;
+  int code = upload_meshes(s, &setup->scene);
+  if (code)
+    return code;
+  place_instances(s, &setup->scene);
+  s->frame = (csm_frame){.struct_size = sizeof s->frame,
+                         .instances = s->instances,
+                         .instance_count = (uint32_t)setup->scene.instance_count};
+  memcpy(s->frame.view, setup->camera.view, sizeof s->frame.view);
+  memcpy(s->frame.projection, setup->camera.projection, sizeof s->frame.projection);
+  memcpy(s->frame.light_direction, setup->light.direction, sizeof s->frame.light_direction);
+  return exit_code(csm_cascades_create(s->context, &setup->config, &s->cascades));
+}
+
+static int wait_for_stats(stage *s, csm_stats *stats) {
+  *stats = (csm_stats){.struct_size = sizeof *stats};
+  return exit_code(csm_get_stats(s->cascades, stats));
+}
+
+int stage_render(stage *s) {
+  csm_stats stats;
+  s->frame.flags = 0;
+  const int code = exit_code(csm_render_cascades(s->cascades, &s->frame));
+  return code ? code : wait_for_stats(s, &stats);
+}
+
+static int render_timed(stage *s, csm_stats *stats) {
+  s->frame.flags = CSM_FRAME_TIMESTAMPS;
+  int code = exit_code(csm_render_cascades(s->cascades, &s->frame));
+  const csm_mask_info mask = {.struct_size = sizeof mask,
+                              .flags = CSM_FRAME_TIMESTAMPS,
+                              .frame = &s->frame,
+                              .width = s->setup->width,
+                              .height = s->setup->height};
+  if (code == 0)
+    code = exit_code(csm_resolve_mask(s->cascades, &mask));
+  return code ? code : wait_for_stats(s, stats);
+}
+
+static double middle_of_three(double a, double b, double c) {
+  const double low = a < b ? a : b, high = a < b ? b : a;
+  return c < low ? low : c > high ? high : c;
+}
+
+/* Every time is the median of its own. */
+static void median_times(csm_stats *out, const csm_stats timed[TIMED_FRAMES]) {
+  const csm_stats *a = &timed[0], *b = &timed[1], *c = &timed[2];
+  *out = *c;
+  out->plan_ms = middle_of_three(a->plan_ms, b->plan_ms, c->plan_ms);
+  out->record_ms = middle_of_three(a->record_ms, b->record_ms, c->record_ms);
+  out->clear_gpu_ms = middle_of_three(a->clear_gpu_ms, b->clear_gpu_ms, c->clear_gpu_ms);
+  out->camera_depth_gpu_ms = middle_of_three(a->camera_depth_gpu_ms, b->camera_depth_gpu_ms, c->camera_depth_gpu_ms);
+  out->mask_gpu_ms = middle_of_three(a->mask_gpu_ms, b->mask_gpu_ms, c->mask_gpu_ms);
+  for (uint32_t k = 0; k < out->cascade_count; k++)
+    out->cascades[k].gpu_ms = middle_of_three(a->cascades[k].gpu_ms, b->cascades[k].gpu_ms, c->cascades[k].gpu_ms);
+}
+
+static int read_back(stage *s, uint32_t source, uint32_t cascade, size_t count, float **out) {
+  *out = host_allocate(count, sizeof **out);
+  const csm_read_info info = {
+      .struct_size = sizeof info, .source = source, .cascade = cascade, .data = *out, .size = count * sizeof **out};
+  return exit_code(csm_read(s->cascades, &info));
+}
+
+int stage_capture(stage *s, stage_frame *out) {
+  csm_stats timed[TIMED_FRAMES];
+  *out = (stage_frame){.binding.struct_size = sizeof out->binding};
+  int code = render_timed(s, &timed[0]);
+  for (int i = 0; code == 0 && i < TIMED_FRAMES; i++)
+    code = render_timed(s, &timed[i]);
+  if (code == 0)
+    code = exit_code(csm_bind(s->cascades, &out->binding));
+  if (code)
+    return code;
+  median_times(&out->stats, timed);
+  const size_t texels = (size_t)out->binding.resolution * out->binding.resolution;
+  const size_t pixels = (size_t)s->setup->width * s->setup->height;
+  for (uint32_t k = 0; code == 0 && k < out->binding.cascade_count; k++)
+    code = read_back(s, CSM_READ_MAP, k, texels, &out->maps[k]);
+  if (code == 0)
+    code = read_back(s, CSM_READ_MASK, 0, pixels, &out->mask);
+  if (code == 0)
+    code = read_back(s, CSM_READ_CAMERA_DEPTH, 0, pixels, &out->camera_depth);
+  return code;
+}
+
+void stage_frame_free(stage_frame *frame) {
+  for (uint32_t k = 0; k < CSM_MAX_CASCADES; k++)
+    free(frame->maps[k]);
+  free(frame->mask);
+  free(frame->camera_depth);
+  memset(frame, 0, sizeof *frame);
+}
+
+double stage_depth_ms(const csm_stats *stats) {
+  double sum = stats->clear_gpu_ms;
+  for (uint32_t k = 0; k < stats->cascade_count; k++)
+    sum += stats->cascades[k].gpu_ms;
+  return sum;
+}

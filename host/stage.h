@@ -1,0 +1,47 @@
+/* stage.h: one backend with a scene on it, and what it draws. */
+#ifndef HOST_STAGE_H
+#define HOST_STAGE_H
+
+#include "csm/csm.h"
+#include "options.h"
+
+typedef struct stage {
+  const char *backend;
+  char device[256], driver[256];
+  const host_setup *setup;
+  csm_context *context;
+  csm_cascades *cascades;
+  csm_mesh *meshes;
+  csm_instance *instances;
+  csm_frame frame;
+} stage;
+
+/* What one frame left behind, in host memory. */
+typedef struct stage_frame {
+  csm_binding binding;
+  csm_stats stats;
+  float *maps[CSM_MAX_CASCADES]; /* resolution squared texels each, top row first */
+  float *mask, *camera_depth;    /* width * height, top row first */
+} stage_frame;
+
+/* Opens a device. 0, HOST_NO_DEVICE or HOST_BAD_INPUT after a message; stage_close is always allowed. */
+int stage_open(stage *out, const char *backend, const char *device);
+void stage_close(stage *s);
+
+/* Uploads the scene and makes the cascades. `setup` must live as long as the stage. 0, or a code after a message. */
+int stage_load(stage *s, const host_setup *setup);
+
+/* Draws the cascades once and waits. 0, or a code after a message. */
+int stage_render(stage *s);
+
+/*
+ * Draws the cascades and the mask with timestamps, after a frame that warms up; GPU times are the medians of three.
+ * Reads everything back. 0, or a code after a message; stage_frame_free is always allowed.
+ */
+int stage_capture(stage *s, stage_frame *out);
+void stage_frame_free(stage_frame *frame);
+
+/* Sum of the clear and every cascade. */
+double stage_depth_ms(const csm_stats *stats);
+
+#endif
