@@ -4,21 +4,25 @@
 #include "csm_constants.h"
 #include <string.h>
 
-/* FNV-1a by 64-bit words, for speed; bytes past the last whole word are taken as one word with zeros. */
+/* FNV-1a by 64-bit words, for speed, folded after each one: a multiplication carries bits upwards only. */
+static uint64_t add_word(uint64_t hash, uint64_t word) {
+  const uint64_t mixed = (hash ^ word) * 0x100000001b3u;
+  return mixed ^ mixed >> 32;
+}
+
+/* Bytes past the last whole word are taken as one word with zeros. */
 static uint64_t add(uint64_t hash, const void *data, size_t size) {
-  const uint64_t prime = 0x100000001b3u;
   const char *bytes = data;
-  for (; size >= sizeof(uint64_t); size -= sizeof(uint64_t), bytes += sizeof(uint64_t)) {
-    uint64_t word;
+  uint64_t word;
+  for (; size >= sizeof word; size -= sizeof word, bytes += sizeof word) {
     memcpy(&word, bytes, sizeof word);
-    hash = (hash ^ word) * prime;
+    hash = add_word(hash, word);
   }
-  if (size) {
-    uint64_t word = 0;
-    memcpy(&word, bytes, size);
-    hash = (hash ^ word) * prime;
-  }
-  return hash;
+  if (size == 0)
+    return hash;
+  word = 0;
+  memcpy(&word, bytes, size);
+  return add_word(hash, word);
 }
 
 static uint64_t add_list(uint64_t hash, const plan_list *list) {

@@ -1,0 +1,191 @@
+/* Whatever numbers come in, what comes out is finite, or an error with a name and a text. */
+#include "support.h"
+
+#include "csm_constants.h"
+#include <math.h>
+#include <string.h>
+
+enum { instances = 12, meshes = 3 };
+
+static double from_bits(uint64_t bits) {
+  double value;
+  memcpy(&value, &bits, sizeof value);
+  return value;
+}
+
+/* A number that hurts: any bits, a special one, or the old one at another scale. */
+static double odd_number(random_state *random, double old) {
+  const double special[] = {0.0,   -0.0,   1.0,    -1.0,   NAN,     INFINITY, -INFINITY,
+                            1e300, -1e300, 5e-324, 1e-310, 1.7e308, 1e16,     -1e-16};
+  switch (random_below(random, 4)) {
+  case 0:
+    return from_bits(random_bits(random));
+  case 1:
+    return special[random_below(random, sizeof special / sizeof *special)];
+  case 2:
+    return old * random_scale(random, 1e-300, 1e300);
+  default:
+    return old + random_scale(random, 1e-12, 10.0);
+  }
+}
+
+static void disturb(random_state *random, double *values, uint32_t count) {
+  for (uint32_t changes = random_below(random, 4); changes; --changes) {
+    const uint32_t i = random_below(random, count);
+    values[i] = odd_number(random, values[i]);
+  }
+  if (random_below(random, 8) == 0) {
+    const double scale = random_scale(random, 1e-300, 1e300);
+    for (uint32_t i = 0; i < count; ++i)
+      values[i] *= scale;
+  }
+}
+
+static void assert_finite(const float *values, uint32_t count) {
+  for (uint32_t i = 0; i < count; ++i)
+    assert_true(isfinite(values[i]));
+}
+
+static void check_frame(const plan_frame *frame, const csm_config *config, const test_scene *scene) {
+  float floats[CSM_C_COUNT * 4 > instances * 16 ? CSM_C_COUNT * 4 : instances * 16];
+  double last = frame->camera.near_depth;
+  for (uint32_t c = 0; c < frame->cascade_count; ++c) {
+    const csm_cascade_info *info = &frame->cascades[c].info;
+    assert_true(isfinite(info->far_depth) && info->near_depth == last && info->far_depth > last);
+    assert_true(isfinite(info->texel_size) && info->texel_size > 0.0);
+    assert_true(isfinite(info->depth_range) && info->depth_range > 0.0);
+    assert_true(plan_finite(info->world_to_shadow, 16) && plan_finite(frame->cascades[c].to_clip, 12));
+    plan_write_cascade_matrices(floats, frame, c, &scene->scene);
+    assert_finite(floats, frame->cascades[c].list.instance_count * 12);
+    assert_int_equal(frame->cascades[c].list.instance_count + frame->cascades[c].list.culled, instances);
+    last = info->far_depth;
+  }
+  assert_finite(floats, plan_write_constants(floats, frame, config) / (uint32_t)sizeof(float));
+  assert_finite(floats, plan_write_mask_constants(floats, frame, &frame->camera, 1, 16384) / (uint32_t)sizeof(float));
+  plan_hash(frame, config, &scene->scene);
+  plan_list list;
+  plan_view_make(&list, &frame->camera, &scene->scene, scene->memory);
+  plan_write_view_matrices(floats, &list, &frame->camera, &scene->scene);
+  assert_finite(floats, list.instance_count * 16);
+}
+
+static bool is_named(csm_result result) {
+  return result == CSM_ERROR_NOT_FINITE || result == CSM_ERROR_INVALID_MATRIX || result == CSM_ERROR_INVALID_CAMERA ||
+         result == CSM_ERROR_INVALID_LIGHT;
+}
+
+/* The transforms that the front lets through: affine, not singular, of any size. */
+static void disturb_scene(random_state *random, test_scene *scene) {
+  for (uint32_t i = 0; i < instances; ++i) {
+    plan_instance *instance = &scene->instances[i];
+    double rows[12], matrix[16] = {[15] = 1.0};
+    memcpy(rows, instance->transform, sizeof rows);
+    disturb(random, rows, 12);
+    for (int k = 0; k < 12; ++k)
+      matrix[k % 4 * 4 + k / 4] = rows[k];
+    if (plan_check_affine(matrix) == CSM_SUCCESS)
+      memcpy(instance->transform, rows, sizeof rows);
+  }
+  for (uint32_t i = 0; i < meshes; ++i)
+    for (int k = 0; k < 3; ++k)
+      if (random_below(random, 20) == 0)
+        scene->meshes[i].extent[k] = random_scale(random, 1e-38, 1e38);
+}
+
+static void any_frame_is_finite_or_has_a_named_error(void **state) {
+  (void)state;
+  random_state random = {1};
+  test_scene scene = scene_make(instances, meshes);
+  uint32_t planned = 0, refused = 0;
+  for (int i = 0; i < 60000; ++i) {
+    const test_camera camera = random_camera(&random, random_scale(&random, 1.0, 1e9));
+    csm_config config = random_config(&random);
+    double view[16], projection[16], light[3];
+    const char *error = "";
+    camera_matrices(&camera, view, projection);
+    random_unit(&random, light);
+    scene_scatter(&scene, &random, camera.eye, 50.0);
+    disturb_scene(&random, &scene);
+    if (random_below(&random, 2))
+      disturb(&random, view, 16);
+    if (random_below(&random, 2))
+      disturb(&random, projection, 16);
+    if (random_below(&random, 2))
+      disturb(&random, light, 3);
+    config.shadow_distance = fmin(fmax(random_scale(&random, 1e-4, 1e10), 1e-3), 1e9);
+    plan_frame frame;
+    const csm_result result =
+        plan_frame_make(&frame, &config, view, projection, light, &scene.scene, scene.memory, &error);
+    if (result == CSM_SUCCESS) {
+      check_frame(&frame, &config, &scene);
+      ++planned;
+    } else {
+      assert_true(is_named(result) && error[0]);
+      ++refused;
+    }
+  }
+  assert_true(planned > 10000 && refused > 10000);
+  scene_free(&scene);
+}
+
+static void any_configuration_is_planned_or_has_a_named_error(void **state) {
+  (void)state;
+  random_state random = {2};
+  const test_camera camera = plain_camera();
+  double view[16], projection[16];
+  camera_matrices(&camera, view, projection);
+  const plan_scene nothing = {0};
+  uint32_t planned = 0, refused = 0;
+  for (int i = 0; i < 60000; ++i) {
+    csm_config config = random_config(&random);
+    const char *error = "";
+    for (uint32_t changes = random_below(&random, 3); changes; --changes) {
+      uint32_t index = 0;
+      for (index = random_below(&random, 20); !plan_config_field(index); --index)
+        ;
+      const csm_config_field *field = plan_config_field(index);
+      char *at = (char *)&config + field->offset;
+      if (field->type == CSM_FIELD_DOUBLE || field->type == CSM_FIELD_DOUBLES)
+        *(double *)(void *)at = odd_number(&random, *(double *)(void *)at);
+      else
+        *(uint32_t *)(void *)at = (uint32_t)random_bits(&random);
+    }
+    csm_result result = plan_config_check(&config, &error);
+    if (result) {
+      assert_true((result == CSM_ERROR_NOT_FINITE || result == CSM_ERROR_INVALID_VALUE) && error[0]);
+      ++refused;
+      continue;
+    }
+    plan_frame frame;
+    result = plan_frame_make(&frame, &config, view, projection, (double[]){0.1, -1.0, 0.0}, &nothing, NULL, &error);
+    assert_true(result == CSM_SUCCESS || (is_named(result) && error[0]));
+    for (uint32_t c = 0; !result && c < frame.cascade_count; ++c)
+      assert_true(plan_finite(frame.cascades[c].info.world_to_shadow, 16));
+    ++planned;
+  }
+  assert_true(planned > 10000 && refused > 1000);
+}
+
+static void any_matrix_is_inverted_finitely_or_not_at_all(void **state) {
+  (void)state;
+  random_state random = {3};
+  for (int i = 0; i < 200000; ++i) {
+    double m[16], inverse[16];
+    for (int k = 0; k < 16; ++k)
+      m[k] = i % 2 ? odd_number(&random, k % 5 == 0) : random_between(&random, -1.0, 1.0);
+    disturb(&random, m, 16);
+    if (plan_invert(inverse, m))
+      assert_true(plan_finite(inverse, 16));
+    const csm_result result = plan_check_affine(m);
+    assert_true(result == CSM_SUCCESS || result == CSM_ERROR_NOT_FINITE || result == CSM_ERROR_INVALID_MATRIX);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(any_frame_is_finite_or_has_a_named_error),
+      cmocka_unit_test(any_configuration_is_planned_or_has_a_named_error),
+      cmocka_unit_test(any_matrix_is_inverted_finitely_or_not_at_all),
+  };
+  return cmocka_run_group_tests_name("plan-fuzz", tests, NULL, NULL);
+}

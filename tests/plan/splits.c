@@ -1,0 +1,129 @@
+/* Where cascades end. */
+#include "support.h"
+
+#include <math.h>
+
+static const double down[3] = {0.2, -1.0, 0.1};
+
+static void follows_the_formula(void **state) {
+  (void)state;
+  const struct {
+    double lambda, ends[4];
+  } cases[] = {
+      {0.5, {64.1, 133.0, 232.0, 500.0}}, {0.75, {33.5, 74.4, 160.5, 500.0}}, {0.9, {15.1, 39.3, 117.5, 500.0}}};
+  test_camera camera = plain_camera();
+  camera.near = 0.5;
+  camera.far = 500.0;
+  csm_config config = default_config();
+  config.shadow_distance = 1000.0;
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    config.split_lambda = cases[i].lambda;
+    const plan_frame frame = plan_empty(&config, &camera, down);
+    for (int k = 0; k < 4; ++k)
+      assert_near(frame.cascades[k].info.far_depth, cases[i].ends[k], 0.05);
+  }
+}
+
+static void rise_to_the_end_exactly(void **state) {
+  (void)state;
+  random_state random = {1};
+  for (int i = 0; i < 20000; ++i) {
+    const test_camera camera = random_camera(&random, 100.0);
+    const csm_config config = random_config(&random);
+    const plan_frame frame = plan_empty(&config, &camera, down);
+    const double manual =
+        config.split_mode == CSM_SPLIT_MANUAL ? config.split_distances[config.cascade_count - 1] : INFINITY;
+    const double end = fmin(fmin(config.shadow_distance, frame.camera.far_depth), manual);
+    double last = frame.camera.near_depth;
+    assert_int_equal(frame.cascade_count, config.cascade_count);
+    for (uint32_t k = 0; k < frame.cascade_count; ++k) {
+      assert_true(frame.cascades[k].info.near_depth == last);
+      assert_true(frame.cascades[k].info.far_depth > last);
+      last = frame.cascades[k].info.far_depth;
+    }
+    assert_true(last == end);
+  }
+}
+
+static void hold_for_ranges_up_to_ten_million(void **state) {
+  (void)state;
+  csm_config config = default_config();
+  config.cascade_count = 8;
+  config.shadow_distance = 1e9;
+  for (double ratio = 2.0; ratio <= 1e7; ratio *= 1.5)
+    for (int lambda = 0; lambda <= 4; ++lambda)
+      for (int field = 0; field < 3; ++field) {
+        const double half_degrees[] = {0.25, 30.0, 85.0};
+        test_camera camera = plain_camera();
+        camera.half_width = camera.half_height = tan(half_degrees[field] * M_PI / 180.0);
+        camera.near = 1e-3;
+        camera.far = ratio * 1e-3;
+        config.split_lambda = lambda / 4.0;
+        const plan_frame frame = plan_empty(&config, &camera, down);
+        for (uint32_t k = 0; k < 8; ++k)
+          assert_true(frame.cascades[k].info.near_depth < frame.cascades[k].info.far_depth);
+      }
+}
+
+static void manual_ones_are_kept_where_they_fit(void **state) {
+  (void)state;
+  const test_camera camera = plain_camera();
+  csm_config config = default_config();
+  config.split_mode = CSM_SPLIT_MANUAL;
+  config.cascade_count = 3;
+  const double distances[] = {10.0, 24.66, 60.82};
+  for (int i = 0; i < 3; ++i)
+    config.split_distances[i] = distances[i];
+  plan_frame frame = plan_empty(&config, &camera, down);
+  for (int i = 0; i < 3; ++i)
+    assert_true(frame.cascades[i].info.far_depth == distances[i]);
+
+  config.shadow_distance = 20.0; /* ends before the second one does */
+  frame = plan_empty(&config, &camera, down);
+  assert_true(frame.cascades[0].info.far_depth == 10.0);
+  assert_true(frame.cascades[1].info.far_depth > 19.9 && frame.cascades[1].info.far_depth < 20.0);
+  assert_true(frame.cascades[2].info.far_depth == 20.0);
+}
+
+static void orthographic_ones_are_uniform_behind_the_origin(void **state) {
+  (void)state;
+  test_camera camera = plain_camera();
+  camera.orthographic = true;
+  camera.half_width = camera.half_height = 20.0;
+  camera.near = -20.0;
+  camera.far = 80.0;
+  const csm_config config = default_config();
+  const plan_frame frame = plan_empty(&config, &camera, down);
+  for (int i = 0; i < 4; ++i)
+    assert_near(frame.cascades[i].info.far_depth, -20.0 + 25.0 * (i + 1), 1e-9);
+}
+
+static void need_room_before_the_shadow_distance(void **state) {
+  (void)state;
+  const test_camera camera = plain_camera();
+  double view[16], projection[16];
+  camera_matrices(&camera, view, projection);
+  csm_config config = default_config();
+  const plan_scene nothing = {0};
+  plan_frame frame;
+  const double distances[] = {0.05, 0.1, nextafter(0.1, 1.0)};
+  for (int i = 0; i < 3; ++i) {
+    const char *error = "";
+    config.shadow_distance = distances[i];
+    assert_int_equal(plan_frame_make(&frame, &config, view, projection, down, &nothing, NULL, &error),
+                     CSM_ERROR_INVALID_CAMERA);
+    assert_true(error[0]);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(follows_the_formula),
+      cmocka_unit_test(rise_to_the_end_exactly),
+      cmocka_unit_test(hold_for_ranges_up_to_ten_million),
+      cmocka_unit_test(manual_ones_are_kept_where_they_fit),
+      cmocka_unit_test(orthographic_ones_are_uniform_behind_the_origin),
+      cmocka_unit_test(need_room_before_the_shadow_distance),
+  };
+  return cmocka_run_group_tests_name("plan-splits", tests, NULL, NULL);
+}
