@@ -44,9 +44,8 @@ static int read_camera(camera *out, const json_t *object) {
   if (reversed && (!json_is_boolean(reversed) || json_boolean_value(reversed) != out->reversed))
     return host_fail(HOST_BAD_INPUT, "--camera: 'reversed' contradicts the projection");
   /* the file's own numbers, rather than what is left of them in the projection */
-  double position[3] = {out->position[0], out->position[1], out->position[2]};
   if (json_object_get(object, "position"))
-    code = read_doubles(object, "position", position, 3);
+    code = read_doubles(object, "position", out->position, 3);
   if (code == 0)
     code = read_depth(object, "near", false, &out->near_depth);
   if (code == 0)

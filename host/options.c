@@ -6,6 +6,7 @@
 #include "parse.h"
 #include <math.h>
 #include <string.h>
+#include <unistd.h>
 
 const char *const host_backend_names[HOST_BACKENDS] = {"vulkan", "d3d12"};
 
@@ -144,11 +145,6 @@ int options_parse(host_options *out, int count, char **arguments) {
 
 /* ---- setting up ---- */
 
-static bool is_json_file(const char *text) {
-  const char *dot = strrchr(text, '.');
-  return dot && strcmp(dot, ".json") == 0;
-}
-
 /* px,py,pz:tx,ty,tz:vfov_deg[:near:far]; what is not given is the scene's. */
 static int pose_from_text(camera_pose *pose, const char *text) {
   char parts[1024];
@@ -171,7 +167,7 @@ static int pose_from_text(camera_pose *pose, const char *text) {
 }
 
 static int setup_camera(host_setup *out, const host_options *options) {
-  if (options->camera_text && is_json_file(options->camera_text)) {
+  if (options->camera_text && access(options->camera_text, F_OK) == 0) {
     uint32_t width = 0, height = 0;
     const int code = camera_from_json(&out->camera, &width, &height, options->camera_text);
     if (code == 0 && width > 0 && !options->has_size) {

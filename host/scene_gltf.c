@@ -9,6 +9,7 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <errno.h>
+#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -193,6 +194,32 @@ static int add_contents(loader *l, const double root[16]) {
   return 0;
 }
 
+/* Assimp's own words on a file that ends early lead astray, so that is looked for first. */
+static int check_text(const char *path) {
+  json_error_t error;
+  json_t *root = json_load_file(path, 0, &error);
+  const bool sound = json_is_object(json_object_get(root, "asset"));
+  json_decref(root);
+  if (!root)
+    return host_fail(HOST_BAD_INPUT, "the scene '%s' is truncated or broken: line %d: %s", path, error.line,
+                     error.text);
+  return sound ? 0 : host_fail(HOST_BAD_INPUT, "the scene '%s' is not glTF: it has no 'asset'", path);
+}
+
+static int check_binary(const char *path, uint64_t size) {
+  uint32_t header[3] = {0}; /* magic, version, length */
+  FILE *file = fopen(path, "rb");
+  const size_t count = file ? fread(header, sizeof header[0], 3, file) : 0;
+  if (file)
+    fclose(file);
+  if (count != 3 || header[0] != 0x46546c67u || header[1] != 2)
+    return host_fail(HOST_BAD_INPUT, "the scene '%s' is not binary glTF 2.0", path);
+  if (header[2] > size)
+    return host_fail(HOST_BAD_INPUT, "the scene '%s' is truncated: it has %llu of %u bytes", path,
+                     (unsigned long long)size, header[2]);
+  return 0;
+}
+
 static int check_file(const char *path) {
   struct stat status;
   if (stat(path, &status) != 0)
@@ -202,9 +229,11 @@ static int check_file(const char *path) {
   if (access(path, R_OK) != 0)
     return host_fail(HOST_BAD_INPUT, "cannot read the scene '%s': %s", path, strerror(errno));
   const char *dot = strrchr(path, '.');
-  if (!dot || (strcmp(dot, ".gltf") != 0 && strcmp(dot, ".glb") != 0))
-    return host_fail(HOST_BAD_INPUT, "the scene '%s' is neither .gltf nor .glb", path);
-  return 0;
+  if (dot && strcmp(dot, ".gltf") == 0)
+    return check_text(path);
+  if (dot && strcmp(dot, ".glb") == 0)
+    return check_binary(path, (uint64_t)status.st_size);
+  return host_fail(HOST_BAD_INPUT, "the scene '%s' is neither .gltf nor .glb", path);
 }
 
 int scene_add_gltf(scene *s, const char *path, const double root[16]) {

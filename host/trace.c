@@ -146,10 +146,11 @@ static void fill_surface(const tracer *t, const struct RTCRayHit *found, trace_s
   for (uint32_t i = 0; i < 3; i++)
     corner[i] = scene_index(mesh, 3 * found->hit.primID + i);
 
+  const scene_material *material = &t->scene->materials[mesh->material];
   const float geometric[3] = {found->hit.Ng_x, found->hit.Ng_y, found->hit.Ng_z};
   float local[3], tint[3] = {1, 1, 1};
   memcpy(local, geometric, sizeof local);
-  if (mesh->normals)
+  if (mesh->normals && !material->alpha_tested) /* leaves are often two faces in one place, with normals that differ */
     interpolate(local, mesh->normals, corner, found->hit.u, found->hit.v);
   if (mesh->colors)
     interpolate(tint, mesh->colors, corner, found->hit.u, found->hit.v);
@@ -164,7 +165,7 @@ static void fill_surface(const tracer *t, const struct RTCRayHit *found, trace_s
     facing += face[i] * surface->ray[i];
   for (int i = 0; i < 3; i++) {
     surface->normal[i] = (float)(facing > 0.0 ? -normal[i] : normal[i]);
-    surface->color[i] = t->scene->materials[mesh->material].color[i] * tint[i] * shade;
+    surface->color[i] = material->color[i] * tint[i] * shade;
   }
 }
 
