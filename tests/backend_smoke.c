@@ -44,7 +44,7 @@ typedef struct smoke {
   gpu_buffer *staging, *geometry;
   gpu_image *map, *mask, *plain;
   gpu_target *map_targets[LAYERS], *mask_target, *plain_target;
-  gpu_program *depth, *depth_back, *depth_front, *depth_greater, *compare;
+  gpu_program *depth, *depth_back, *depth_front, *depth_greater, *depth_clipped, *compare;
   smoke_slot slots[SLOTS];
 } smoke;
 
@@ -165,6 +165,9 @@ static void make_programs(smoke *s) {
   info.cull = GPU_CULL_NONE;
   info.depth_compare = GPU_COMPARE_GREATER;
   s->depth_greater = make_program(s, info);
+  info.depth_compare = GPU_COMPARE_LESS;
+  info.depth_clip = true;
+  s->depth_clipped = make_program(s, info);
   s->compare = make_program(s, (gpu_program_info){.name = "compare",
                                                   .vertex = screen,
                                                   .pixel = compare,
@@ -229,7 +232,8 @@ static void free_objects(smoke *s) {
   gpu->image_destroy(s->device, NULL);
   gpu->buffer_destroy(s->device, s->geometry);
   gpu->buffer_destroy(s->device, s->staging);
-  gpu_program *programs[] = {s->depth, s->depth_back, s->depth_front, s->depth_greater, s->compare, NULL};
+  gpu_program *programs[] = {s->depth,   s->depth_back, s->depth_front, s->depth_greater, s->depth_clipped,
+                             s->compare, NULL};
   for (uint32_t i = 0; i < sizeof programs / sizeof *programs; i++)
     gpu->program_destroy(s->device, programs[i]);
 }
@@ -421,11 +425,15 @@ static void test_culling(smoke *s) {
   CHECK(s, count_texels(draw_plain(s, s->depth_front, 1, &back, 1), 0.5f) == all, "front culled, back");
 }
 
-/* Depth outside [0,1] is clamped, not clipped, and instances follow each other in their stream. */
+/* Depth outside [0,1] is clamped, or clipped where the program says so, and instances follow each other in their
+ * stream. */
 static void test_clamping(smoke *s) {
   const quad nearer = {1, 1, 0, 0, 0, -3}, farther = {1, 1, 0, 0, 0, 7};
   CHECK(s, count_texels(draw_plain(s, s->depth, 1, &nearer, 1), 0) == SIZE * SIZE, "nearer than the near plane");
   CHECK(s, count_texels(draw_plain(s, s->depth_greater, 0, &farther, 1), 1) == SIZE * SIZE, "beyond the far plane");
+  const quad steep = {1, 1, 0, 0, -1, 0.5f}; /* from 1.5 on the left to -0.5 on the right */
+  const float *clipped = draw_plain(s, s->depth_clipped, 1, &steep, 1);
+  CHECK(s, count_texels(clipped, 1) == SIZE * SIZE / 2, "clipped at both ends");
   const quad corners[] = {{0.25f, 0.25f, -0.75f, 0.75f, 0, 0.125f},
                           {0.25f, 0.25f, 0.75f, 0.75f, 0, 0.25f},
                           {0.25f, 0.25f, -0.75f, -0.75f, 0, 0.375f}};
