@@ -11,14 +11,22 @@ typedef struct cascade_maps {
   uint32_t count, resolution;
 } cascade_maps;
 
+/* What one resolve of a mask reads, in use until its frame is done. */
+typedef struct mask_input {
+  struct mask_input *next;
+  gpu_bindings *bindings;
+  uint64_t serial;
+} mask_input;
+
 typedef struct cascade_mask {
   retired retired;
   uint32_t width, height;
-  gpu_image *depth, *mask;
-  gpu_target *depth_target, *mask_target;
-  gpu_buffer *constants; /* MASK_BLOCKS bytes for each slot */
-  gpu_bindings *bindings;
-  bool drawn;
+  gpu_image *mask;
+  gpu_target *mask_target;
+  gpu_image *depth; /* NULL as long as the engine brings its own */
+  gpu_target *depth_target;
+  mask_input *inputs[2]; /* without and with normals */
+  bool drawn, depth_drawn;
 } cascade_mask;
 
 /* A plan, with the memory that its lists and its copy of the instances lie in. */
@@ -41,19 +49,37 @@ struct csm_cascades {
   csm_stats stats;
 };
 
-/* Takes over what a recording for these cascades measured, in nanoseconds. */
-void cascades_take_timing(csm_cascades *cascades, const slot_timing *timing, const uint64_t *stamps);
+/* ---- cascades.c ---- */
 
-/* Has the newest recording's timestamps delivered to these cascades. */
-void cascades_expect_timing(csm_cascades *cascades, uint32_t count, bool mask);
+/* Takes over what a recording for these cascades measured, in nanoseconds. */
+void cascades_take_timing(csm_cascades *cascades, const timing *timing, const uint64_t *stamps);
 
 /* NULL_POINTER, or DEVICE_LOST. */
 csm_result cascades_usable(csm_cascades *cascades);
 
-/* The mask's images for a size, made if they are not there. */
-csm_result cascades_mask(csm_cascades *cascades, uint32_t width, uint32_t height, cascade_mask **out);
+/* Maps for a configuration, on a device that need not be the context's. */
+csm_result maps_create(device *device, const csm_config *config, cascade_maps **out);
+/* Frees them at once. */
+void maps_free(device *device, retired *self);
 
-/* Frees the cascades at once; the device is idle. */
+/* Leaves a device, with `maps` of another one: what lies on the old one is retired there. */
+void cascades_move(csm_cascades *cascades, device *from, cascade_maps *maps);
+
+/* Frees the cascades at once; the GPU is done with them. */
 void cascades_destroy_now(csm_cascades *cascades);
+
+/* ---- mask_images.c ---- */
+
+/* The mask's images for a size, made if they are not there; with `depth`, an own camera depth too. */
+csm_result cascades_mask(csm_cascades *cascades, uint32_t width, uint32_t height, bool depth, cascade_mask **out);
+
+/* Something that no recording in flight reads through, made if there is none. */
+csm_result mask_input_find(csm_cascades *cascades, cascade_mask *mask, const gpu_bindings_info *reads, bool normals,
+                           mask_input **out);
+
+/* Retires the mask, if there is one. */
+void mask_drop(csm_cascades *cascades, device *device);
+/* Frees it at once. */
+void mask_free(device *device, retired *self);
 
 #endif

@@ -8,14 +8,15 @@ csm_result context_fail(csm_context *context, csm_result result, const char *for
   va_start(arguments, format);
   vsnprintf(context->error, sizeof context->error, format, arguments);
   va_end(arguments);
-  if (result == CSM_ERROR_DEVICE_LOST)
-    context->lost = true;
   context->log(context->user, CSM_LOG_ERROR, context->error);
   return result;
 }
 
-csm_result context_check(csm_context *context, csm_result result, const char *what) {
-  return result ? context_fail(context, result, "%s: %s", what, csm_result_name(result)) : CSM_SUCCESS;
+csm_result device_check(device *device, csm_result result, const char *what) {
+  if (!result)
+    return CSM_SUCCESS;
+  device->lost |= result == CSM_ERROR_DEVICE_LOST;
+  return context_fail(device->context, result, "%s: %s", what, csm_result_name(result));
 }
 
 csm_result context_check_struct(csm_context *context, csm_result result, const char *name) {
@@ -30,7 +31,7 @@ csm_result context_check_struct(csm_context *context, csm_result result, const c
 }
 
 csm_result context_usable(csm_context *context) {
-  return context->lost ? context_fail(context, CSM_ERROR_DEVICE_LOST, "the device was lost") : CSM_SUCCESS;
+  return context->device->lost ? context_fail(context, CSM_ERROR_DEVICE_LOST, "the device was lost") : CSM_SUCCESS;
 }
 
 const char *CSM_CALL csm_last_error(const csm_context *context) {

@@ -7,7 +7,7 @@ static csm_result make_plan(csm_cascades *cascades, const csm_frame *frame, plan
   csm_context *context = cascades->context;
   const size_t scene = scene_size(frame->instance_count);
   const size_t lists =
-      plan_memory_size(frame->instance_count, context->geometry.slot_count, cascades->config.cascade_count);
+      plan_memory_size(frame->instance_count, context->meshes.count, cascades->config.cascade_count);
   csm_result result = context_grow(context, &out->memory, &out->size, scene + lists);
   if (!result)
     result = scene_read(context, frame, out->memory, &out->scene);
@@ -39,8 +39,59 @@ static void count_casters(csm_cascades *cascades, const plan_frame *plan) {
     stats->triangles_drawn = 0;
     for (uint32_t d = 0; d < list->draw_count; ++d)
       stats->triangles_drawn +=
-          (uint64_t)cascades->context->geometry.meshes[list->draws[d].mesh].index_count / 3 * list->draws[d].count;
+          (uint64_t)cascades->context->device->geometry.meshes[list->draws[d].mesh].index_count / 3 * list->draws[d].count;
   }
+}
+
+/* ---- an engine's own draws ---- */
+
+typedef struct engine_draw {
+  device *device;
+  const csm_frame *frame;
+  const plan_frame *plan;
+  uint32_t resolution;
+} engine_draw;
+
+static void call_engine(void *user, uint32_t cascade) {
+  const engine_draw *draw = user;
+  gpu_native_pass native;
+  draw->device->gpu.api->pass_native(draw->device->gpu.device, &native);
+  csm_draw_info info = {
+      .struct_size = sizeof info,
+      .cascade = cascade,
+      .resolution = draw->resolution,
+      .depth_format = native.depth_format,
+      .command_buffer = native.command_buffer,
+      .render_pass = native.render_pass,
+      .depth_view = native.depth_view,
+  };
+  plan_cascade_volume(draw->plan, cascade, info.world_to_clip, info.planes);
+  draw->frame->draw(draw->frame->draw_user, &info);
+}
+
+/* ---- the frame ---- */
+
+static void record(csm_cascades *cascades, const csm_frame *frame, const planned *planned, const ring_range *ring,
+                   const uint64_t *offsets) {
+  device *device = cascades->context->device;
+  engine_draw engine = {
+      .device = device, .frame = frame, .plan = &planned->frame, .resolution = cascades->maps->resolution};
+  cascade_depth_pass pass = {
+      .programs = device->programs.cascade,
+      .maps = cascades->maps->image,
+      .targets = cascades->maps->targets,
+      .plan = &planned->frame,
+      .meshes = device->geometry.meshes,
+      .matrices = ring->buffer,
+      .draw = frame->draw ? call_engine : NULL,
+      .draw_user = &engine,
+  };
+  for (uint32_t i = 0; i < planned->frame.cascade_count; ++i)
+    pass.matrices_offsets[i] = ring->offset + offsets[i];
+  if (frame->flags & CSM_FRAME_TIMESTAMPS)
+    pass.timestamps = recording_expect_timing(device, cascades, 2 + planned->frame.cascade_count, false,
+                                              &pass.first_timestamp);
+  cascade_depth_record(device->gpu, &pass);
 }
 
 csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame *in) {
@@ -48,6 +99,7 @@ csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame 
   if (result)
     return result;
   csm_context *context = cascades->context;
+  device *device = context->device;
   csm_frame frame;
   result = frame_read(context, in, &frame);
   if (result)
@@ -62,7 +114,7 @@ csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame 
 
   uint64_t offsets[CSM_MAX_CASCADES];
   ring_range ring = {0};
-  result = recording_prepare(context, place_matrices(&next->frame, offsets), &ring);
+  result = recording_prepare(device, frame.frame, place_matrices(&next->frame, offsets), &ring);
   if (result)
     return result;
   const double ready_ms = clock_ms();
@@ -71,27 +123,14 @@ csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame 
       plan_write_cascade_matrices((float *)((char *)ring.memory + offsets[i]), &next->frame, i, &next->scene);
   const double written_ms = clock_ms();
 
-  result = recording_begin(context);
+  result = recording_begin(device, frame.command_buffer);
   if (result)
     return result;
-  cascade_depth_pass pass = {
-      .program = context->cascade_program,
-      .maps = cascades->maps->image,
-      .targets = cascades->maps->targets,
-      .plan = &next->frame,
-      .meshes = context->geometry.meshes,
-      .matrices = ring.buffer,
-      .timestamps = frame.flags & CSM_FRAME_TIMESTAMPS,
-  };
-  for (uint32_t i = 0; i < next->frame.cascade_count; ++i)
-    pass.matrices_offsets[i] = ring.offset + offsets[i];
-  cascade_depth_record(context->gpu, &pass);
-  result = recording_end(context);
+  record(cascades, &frame, next, &ring, offsets);
+  result = recording_end(device);
   if (result)
     return result;
 
-  if (pass.timestamps)
-    cascades_expect_timing(cascades, 2 + next->frame.cascade_count, false);
   cascades->current = !cascades->current;
   cascades->drawn = true;
   cascades->stats.plan_ms = planned_ms - begin_ms + (written_ms - ready_ms);

@@ -1,27 +1,28 @@
 #include "context.h"
 
-#include <math.h>
 #include <string.h>
 
 /*
- * Meshes lie in pages, which are large device buffers with a list of free ranges each: few buffers to bind, and few
- * device allocations, of which there is a limit. Data waits in staging buffers until the next recording copies it.
+ * Copied meshes lie in pages, which are large device buffers with a list of free places each: few buffers to bind, and
+ * few device allocations, of which there is a limit. Data waits in staging buffers until the next recording copies it.
+ * An engine's own buffers are taken in where they are.
  */
-enum { page_smallest = 8 << 20, staging_smallest = 4 << 20, range_alignment = 16 };
+enum { page_smallest = 8 << 20, staging_smallest = 4 << 20, place_alignment = 16, position_bytes = 12 };
 
-/* A piece of a page: of a mesh, or free. */
-typedef struct geometry_range {
+/* Where a mesh lies: a piece of a page, or an engine's buffers. Or a piece that is free. */
+typedef struct geometry_place {
   retired retired;
-  struct geometry_range *next; /* free ones: by offset, never two that touch */
-  struct geometry_page *page;
+  struct geometry_place *next; /* free ones: by offset, never two that touch */
+  struct geometry_page *page;  /* NULL: an engine's */
   uint64_t offset, size;
-} geometry_range;
+  gpu_geometry engine;
+} geometry_place;
 
 typedef struct geometry_page {
   struct geometry_page *next;
   gpu_buffer *buffer;
   uint64_t size;
-  geometry_range *free;
+  geometry_place *free;
 } geometry_page;
 
 typedef struct geometry_staging {
@@ -35,350 +36,279 @@ typedef struct geometry_upload {
   struct geometry_upload *next;
   const geometry_staging *from;
   uint64_t from_offset;
-  const geometry_range *to;
+  const geometry_place *to;
 } geometry_upload;
 
 /* ---- pages ---- */
 
-static csm_result page_create(csm_context *context, uint64_t size, geometry_page **out) {
-  geometry_page *page = context_allocate(context, sizeof *page);
-  geometry_range *whole = page ? context_allocate(context, sizeof *whole) : NULL;
+static csm_result page_create(device *device, uint64_t size, geometry_page **out) {
+  geometry_page *page = context_allocate(device->context, sizeof *page);
+  geometry_place *whole = page ? context_allocate(device->context, sizeof *whole) : NULL;
   csm_result result = CSM_ERROR_OUT_OF_MEMORY;
   if (!whole)
     goto fail;
   page->size = size > page_smallest ? size : page_smallest;
-  result = context_buffer(
-      context, &(gpu_buffer_info){.name = "geometry", .kind = GPU_BUFFER_DEVICE, .size = page->size}, &page->buffer);
+  result = device_buffer(
+      device, &(gpu_buffer_info){.name = "geometry", .kind = GPU_BUFFER_DEVICE, .size = page->size}, &page->buffer);
   if (result)
     goto fail;
-  *whole = (geometry_range){.page = page, .size = page->size};
+  *whole = (geometry_place){.page = page, .size = page->size};
   page->free = whole;
-  page->next = context->geometry.pages;
-  context->geometry.pages = page;
+  page->next = device->geometry.pages;
+  device->geometry.pages = page;
   *out = page;
   return CSM_SUCCESS;
 fail:
-  context_release(context, whole);
-  context_release(context, page);
+  context_release(device->context, whole);
+  context_release(device->context, page);
   return result;
 }
 
-static geometry_range **find_free(geometry_page *page, uint64_t size) {
-  geometry_range **link = &page->free;
+static geometry_place **find_free(geometry_page *page, uint64_t size) {
+  geometry_place **link = &page->free;
   while (*link && (*link)->size < size)
     link = &(*link)->next;
   return link;
 }
 
-static csm_result range_create(csm_context *context, uint64_t size, geometry_range **out) {
-  geometry_page *page = context->geometry.pages;
+static csm_result place_create(device *device, uint64_t size, geometry_place **out) {
+  geometry_page *page = device->geometry.pages;
   while (page && !*find_free(page, size))
     page = page->next;
-  geometry_range *range = context_allocate(context, sizeof *range);
-  if (!range)
+  geometry_place *place = context_allocate(device->context, sizeof *place);
+  if (!place)
     return CSM_ERROR_OUT_OF_MEMORY;
-  const csm_result result = page ? CSM_SUCCESS : page_create(context, size, &page);
+  const csm_result result = page ? CSM_SUCCESS : page_create(device, size, &page);
   if (result) {
-    context_release(context, range);
+    context_release(device->context, place);
     return result;
   }
-  geometry_range **link = find_free(page, size), *free = *link;
-  *range = (geometry_range){.page = page, .offset = free->offset, .size = size};
+  geometry_place **link = find_free(page, size), *free = *link;
+  *place = (geometry_place){.page = page, .offset = free->offset, .size = size};
   free->offset += size;
   free->size -= size;
   if (!free->size) {
     *link = free->next;
-    context_release(context, free);
+    context_release(device->context, free);
   }
-  *out = range;
+  *out = place;
   return CSM_SUCCESS;
 }
 
-/* Makes `next`, which follows `range`, a part of it where the two touch. */
-static void join(csm_context *context, geometry_range *range) {
-  geometry_range *next = range->next;
-  if (!next || range->offset + range->size != next->offset)
+/* Makes the place that follows a part of this one where the two touch. */
+static void join(device *device, geometry_place *place) {
+  geometry_place *next = place->next;
+  if (!next || place->offset + place->size != next->offset)
     return;
-  range->size += next->size;
-  range->next = next->next;
-  context_release(context, next);
+  place->size += next->size;
+  place->next = next->next;
+  context_release(device->context, next);
 }
 
-static void range_free(csm_context *context, retired *self) {
-  geometry_range *range = (geometry_range *)self, *before = NULL;
-  geometry_page *page = range->page;
-  range->next = page->free;
-  while (range->next && range->next->offset < range->offset) {
-    before = range->next;
-    range->next = before->next;
+static void return_to_page(device *device, geometry_place *place) {
+  geometry_place *before = NULL;
+  geometry_page *page = place->page;
+  place->next = page->free;
+  while (place->next && place->next->offset < place->offset) {
+    before = place->next;
+    place->next = before->next;
   }
-  *(before ? &before->next : &page->free) = range;
-  join(context, range);
+  *(before ? &before->next : &page->free) = place;
+  join(device, place);
   if (before)
-    join(context, before);
+    join(device, before);
+}
+
+static void place_free(device *device, retired *self) {
+  geometry_place *place = (geometry_place *)self;
+  const gpu_geometry *engine = &place->engine;
+  if (place->page) {
+    return_to_page(device, place);
+    return;
+  }
+  if (engine->indices != engine->vertices)
+    device->gpu.api->buffer_destroy(device->gpu.device, engine->indices);
+  device->gpu.api->buffer_destroy(device->gpu.device, engine->vertices);
+  context_release(device->context, place);
 }
 
 /* ---- staging ---- */
 
-static void staging_free(csm_context *context, retired *self) {
+static void staging_free(device *device, retired *self) {
   geometry_staging *staging = (geometry_staging *)self;
-  context_buffer_free(context, staging->buffer, staging->size);
-  context_release(context, staging);
+  device_buffer_free(device, staging->buffer, staging->size);
+  context_release(device->context, staging);
 }
 
-static csm_result staging_reserve(csm_context *context, uint64_t size, geometry_staging **out) {
-  geometry_staging *staging = context->geometry.staging;
+static csm_result staging_reserve(device *device, uint64_t size, geometry_staging **out) {
+  geometry_staging *staging = device->geometry.staging;
   if (!staging || staging->size - staging->used < size) {
-    staging = context_allocate(context, sizeof *staging);
+    staging = context_allocate(device->context, sizeof *staging);
     if (!staging)
       return CSM_ERROR_OUT_OF_MEMORY;
     staging->size = size > staging_smallest ? size : staging_smallest;
     const gpu_buffer_info info = {.name = "geometry staging", .kind = GPU_BUFFER_UPLOAD, .size = staging->size};
-    const csm_result result = context_buffer(context, &info, &staging->buffer);
+    const csm_result result = device_buffer(device, &info, &staging->buffer);
     if (result) {
-      context_release(context, staging);
+      context_release(device->context, staging);
       return result;
     }
-    staging->next = context->geometry.staging;
-    context->geometry.staging = staging;
+    staging->next = device->geometry.staging;
+    device->geometry.staging = staging;
   }
   *out = staging;
   return CSM_SUCCESS;
 }
 
-void geometry_record(csm_context *context) {
-  geometry *geometry = &context->geometry;
+void geometry_record(device *device) {
+  geometry *geometry = &device->geometry;
   while (geometry->uploads) {
     geometry_upload *upload = geometry->uploads;
     geometry->uploads = upload->next;
-    context->gpu.api->copy_buffer(context->gpu.device, upload->to->page->buffer, upload->to->offset,
-                                  upload->from->buffer, upload->from_offset, upload->to->size);
-    context_release(context, upload);
+    device->gpu.api->copy_buffer(device->gpu.device, upload->to->page->buffer, upload->to->offset, upload->from->buffer,
+                                 upload->from_offset, upload->to->size);
+    context_release(device->context, upload);
   }
   while (geometry->staging) {
     geometry_staging *staging = geometry->staging;
     geometry->staging = staging->next;
-    retire(context, &staging->retired, staging_free);
+    retire(device, &staging->retired, staging_free);
   }
 }
 
-static void drop_upload(csm_context *context, const geometry_range *to) {
-  geometry_upload **link = &context->geometry.uploads;
+static void drop_upload(device *device, const geometry_place *to) {
+  geometry_upload **link = &device->geometry.uploads;
   while (*link && (*link)->to != to)
     link = &(*link)->next;
   geometry_upload *upload = *link;
   if (!upload)
     return;
   *link = upload->next;
-  context_release(context, upload);
-}
-
-/* ---- handles ---- */
-
-uint32_t geometry_find(const geometry *geometry, csm_mesh mesh) {
-  const uint32_t slot = (uint32_t)mesh - 1;
-  return slot < geometry->slot_count && geometry->slots[slot].generation == mesh >> 32 ? slot : UINT32_MAX;
-}
-
-static csm_result slots_grow(csm_context *context) {
-  geometry *geometry = &context->geometry;
-  const uint32_t capacity = geometry->slot_capacity ? geometry->slot_capacity * 2 : 64;
-  mesh_slot *slots = context_allocate(context, capacity * sizeof *slots);
-  pass_mesh *meshes = context_allocate(context, capacity * sizeof *meshes);
-  plan_bounds *bounds = context_allocate(context, capacity * sizeof *bounds);
-  if (!slots || !meshes || !bounds) {
-    context_release(context, slots);
-    context_release(context, meshes);
-    context_release(context, bounds);
-    return CSM_ERROR_OUT_OF_MEMORY;
-  }
-  if (geometry->slot_count) {
-    memcpy(slots, geometry->slots, geometry->slot_count * sizeof *slots);
-    memcpy(meshes, geometry->meshes, geometry->slot_count * sizeof *meshes);
-    memcpy(bounds, geometry->bounds, geometry->slot_count * sizeof *bounds);
-  }
-  context_release(context, geometry->slots);
-  context_release(context, geometry->meshes);
-  context_release(context, geometry->bounds);
-  geometry->slots = slots;
-  geometry->meshes = meshes;
-  geometry->bounds = bounds;
-  geometry->slot_capacity = capacity;
-  return CSM_SUCCESS;
-}
-
-static csm_result slot_reserve(csm_context *context, uint32_t *slot) {
-  geometry *geometry = &context->geometry;
-  *slot = geometry->first_free;
-  if (*slot)
-    return CSM_SUCCESS;
-  *slot = geometry->slot_count + 1;
-  return geometry->slot_count < geometry->slot_capacity ? CSM_SUCCESS : slots_grow(context);
-}
-
-/* Takes the slot that slot_reserve named (counted from 1, so that 0 can stand for none). */
-static mesh_slot *slot_take(geometry *geometry, uint32_t slot) {
-  mesh_slot *taken = &geometry->slots[slot - 1];
-  if (slot == geometry->first_free)
-    geometry->first_free = taken->next_free;
-  else
-    ++geometry->slot_count;
-  ++taken->generation;
-  return taken;
+  context_release(device->context, upload);
 }
 
 /* ---- meshes ---- */
 
-static const float *vertex(const csm_mesh_info *info, uint32_t index) {
-  return (const float *)((const char *)info->positions + (size_t)index * info->position_stride);
-}
-
-static csm_result check_positions(csm_context *context, const csm_mesh_info *info, plan_bounds *bounds) {
-  float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
-  for (uint32_t i = 0; i < info->vertex_count; ++i) {
-    float p[3];
-    memcpy(p, vertex(info, i), sizeof p);
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!isfinite(p[axis]))
-        return context_fail(context, CSM_ERROR_NOT_FINITE, "position %u of the mesh is not finite", i);
-      low[axis] = fminf(low[axis], p[axis]);
-      high[axis] = fmaxf(high[axis], p[axis]);
-    }
+csm_result geometry_reserve(device *device, uint32_t capacity) {
+  geometry *geometry = &device->geometry;
+  csm_context *context = device->context;
+  if (capacity <= geometry->capacity)
+    return CSM_SUCCESS;
+  geometry_place **places = context_allocate(context, capacity * sizeof *places);
+  pass_mesh *meshes = places ? context_allocate(context, capacity * sizeof *meshes) : NULL;
+  if (!meshes) {
+    context_release(context, places);
+    return CSM_ERROR_OUT_OF_MEMORY;
   }
-  for (int axis = 0; axis < 3; ++axis) {
-    bounds->center[axis] = ((double)low[axis] + high[axis]) / 2;
-    bounds->extent[axis] = ((double)high[axis] - low[axis]) / 2;
+  if (geometry->capacity) {
+    memcpy(places, geometry->places, geometry->capacity * sizeof *places);
+    memcpy(meshes, geometry->meshes, geometry->capacity * sizeof *meshes);
   }
+  context_release(context, geometry->places);
+  context_release(context, geometry->meshes);
+  geometry->places = places;
+  geometry->meshes = meshes;
+  geometry->capacity = capacity;
   return CSM_SUCCESS;
-}
-
-static csm_result check_indices(csm_context *context, const csm_mesh_info *info) {
-  for (uint32_t i = 0; i < info->index_count; ++i) {
-    const uint32_t index =
-        info->index_size == 2 ? ((const uint16_t *)info->indices)[i] : ((const uint32_t *)info->indices)[i];
-    if (index >= info->vertex_count)
-      return context_fail(context, CSM_ERROR_INVALID_INDEX, "index %u of the mesh is %u, of %u vertices", i, index,
-                          info->vertex_count);
-  }
-  return CSM_SUCCESS;
-}
-
-static csm_result check_mesh(csm_context *context, csm_mesh_info *info, plan_bounds *bounds) {
-  if (!info->positions || !info->indices)
-    return context_fail(context, CSM_ERROR_NULL_POINTER, "the mesh's %s is NULL",
-                        info->positions ? "indices" : "positions");
-  if (!info->position_stride)
-    info->position_stride = 3 * sizeof(float);
-  const char *wrong = info->flags                                               ? "flags"
-                      : info->position_stride % 4 || info->position_stride < 12 ? "position_stride"
-                      : !info->vertex_count || info->vertex_count > INT32_MAX   ? "vertex_count"
-                      : !info->index_count || info->index_count % 3             ? "index_count"
-                      : info->index_size != 2 && info->index_size != 4          ? "index_size"
-                      : info->index_size == 2 && (uintptr_t)info->indices % 2   ? "indices' alignment"
-                      : info->index_size == 4 && (uintptr_t)info->indices % 4   ? "indices' alignment"
-                                                                                : NULL;
-  if (wrong)
-    return context_fail(context, CSM_ERROR_INVALID_VALUE, "the mesh's %s is not allowed", wrong);
-  const csm_result result = check_positions(context, info, bounds);
-  return result ? result : check_indices(context, info);
 }
 
 static uint64_t round_up(uint64_t size) {
-  return (size + range_alignment - 1) / range_alignment * range_alignment;
+  return (size + place_alignment - 1) / place_alignment * place_alignment;
 }
 
 static void fill_staging(const csm_mesh_info *info, void *memory, uint64_t index_offset) {
-  float *positions = memory;
-  for (uint32_t i = 0; i < info->vertex_count; ++i)
-    memcpy(positions + 3 * (size_t)i, vertex(info, i), 3 * sizeof(float));
+  const char *from = info->positions;
+  char *to = memory;
+  for (uint32_t i = 0; i < info->vertex_count; ++i, from += info->position_stride, to += position_bytes)
+    memcpy(to, from, position_bytes);
   memcpy((char *)memory + index_offset, info->indices, (size_t)info->index_count * info->index_size);
 }
 
-static csm_result mesh_make(csm_context *context, const csm_mesh_info *info, const plan_bounds *bounds,
-                            csm_mesh *mesh) {
-  geometry *geometry = &context->geometry;
-  const uint64_t vertex_bytes = round_up((uint64_t)info->vertex_count * 3 * sizeof(float));
+static csm_result add_copied(device *device, const csm_mesh_info *info, geometry_place **out, pass_mesh *mesh) {
+  geometry *geometry = &device->geometry;
+  const uint64_t vertex_bytes = round_up((uint64_t)info->vertex_count * position_bytes);
   const uint64_t size = vertex_bytes + round_up((uint64_t)info->index_count * info->index_size);
-  geometry_upload *upload = NULL;
-  geometry_range *range = NULL;
+  geometry_place *place = NULL;
   geometry_staging *staging = NULL;
-  uint32_t slot = 0;
-  csm_result result = slot_reserve(context, &slot);
-  if (!result && !(upload = context_allocate(context, sizeof *upload)))
-    result = CSM_ERROR_OUT_OF_MEMORY;
+  geometry_upload *upload = context_allocate(device->context, sizeof *upload);
+  csm_result result = upload ? place_create(device, size, &place) : CSM_ERROR_OUT_OF_MEMORY;
   if (!result)
-    result = range_create(context, size, &range);
-  if (!result)
-    result = staging_reserve(context, size, &staging);
-  if (result)
-    goto fail;
-
-  fill_staging(info, (char *)context->gpu.api->buffer_memory(staging->buffer) + staging->used, vertex_bytes);
-  *upload = (geometry_upload){.next = geometry->uploads, .from = staging, .from_offset = staging->used, .to = range};
+    result = staging_reserve(device, size, &staging);
+  if (result) {
+    if (place)
+      return_to_page(device, place);
+    context_release(device->context, upload);
+    return result;
+  }
+  fill_staging(info, (char *)device->gpu.api->buffer_memory(staging->buffer) + staging->used, vertex_bytes);
+  *upload = (geometry_upload){.next = geometry->uploads, .from = staging, .from_offset = staging->used, .to = place};
   geometry->uploads = upload;
   staging->used += size;
-  geometry->bytes += size;
-
-  mesh_slot *taken = slot_take(geometry, slot);
-  taken->range = range;
-  geometry->bounds[slot - 1] = *bounds;
-  geometry->meshes[slot - 1] = (pass_mesh){.buffer = range->page->buffer,
-                                           .vertices = range->offset,
-                                           .indices = range->offset + vertex_bytes,
-                                           .index_count = info->index_count,
-                                           .index_size = info->index_size};
-  *mesh = (uint64_t)taken->generation << 32 | slot;
+  *mesh = (pass_mesh){.vertices = place->page->buffer,
+                      .indices = place->page->buffer,
+                      .vertex_offset = place->offset,
+                      .index_offset = place->offset + vertex_bytes,
+                      .index_size = info->index_size};
+  *out = place;
   return CSM_SUCCESS;
-fail:
-  if (range)
-    range_free(context, &range->retired);
-  context_release(context, upload);
-  return result;
 }
 
-csm_result CSM_CALL csm_mesh_create(csm_context *context, const csm_mesh_info *info, csm_mesh *mesh) {
-  if (mesh)
-    *mesh = 0;
-  if (!context)
-    return CSM_ERROR_NULL_POINTER;
-  csm_mesh_info own;
-  plan_bounds bounds;
-  csm_result result = context_usable(context);
-  if (!result)
-    result = context_check_struct(context, struct_read(&own, sizeof own, info), "csm_mesh_info");
-  if (!result && !mesh)
-    result = context_fail(context, CSM_ERROR_NULL_POINTER, "mesh is NULL");
-  if (!result)
-    result = check_mesh(context, &own, &bounds);
-  return result ? result : mesh_make(context, &own, &bounds, mesh);
+static csm_result add_engines(device *device, const csm_mesh_info *info, geometry_place **out, pass_mesh *mesh) {
+  geometry_place *place = context_allocate(device->context, sizeof *place);
+  if (!place)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  const void *native = info->vulkan ? (const void *)info->vulkan : info->d3d12;
+  csm_result result = device_check(
+      device, device->gpu.api->geometry_import(device->gpu.device, native, &place->engine), "an engine's mesh");
+  if (result) {
+    context_release(device->context, place);
+    return result;
+  }
+  const gpu_geometry *engine = &place->engine;
+  *mesh = (pass_mesh){.vertices = engine->vertices,
+                      .indices = engine->indices,
+                      .vertex_offset = engine->vertex_offset,
+                      .index_offset = engine->index_offset,
+                      .index_size = info->index_size};
+  result = device_programs(device, engine->vertex_stride, &mesh->programs);
+  if (result) {
+    place_free(device, &place->retired);
+    return result;
+  }
+  *out = place;
+  return CSM_SUCCESS;
 }
 
-csm_result CSM_CALL csm_mesh_destroy(csm_context *context, csm_mesh mesh) {
-  if (!context)
-    return CSM_ERROR_NULL_POINTER;
-  const csm_result result = context_usable(context);
+csm_result geometry_add(device *device, uint32_t slot, const csm_mesh_info *info) {
+  geometry *geometry = &device->geometry;
+  pass_mesh mesh;
+  geometry_place *place;
+  const csm_result result = info->vulkan || info->d3d12 ? add_engines(device, info, &place, &mesh)
+                                                        : add_copied(device, info, &place, &mesh);
   if (result)
     return result;
-  geometry *geometry = &context->geometry;
-  const uint32_t index = geometry_find(geometry, mesh);
-  if (index == UINT32_MAX)
-    return context_fail(context, CSM_ERROR_INVALID_HANDLE, "mesh %llx does not exist", (unsigned long long)mesh);
-  mesh_slot *slot = &geometry->slots[index];
-  geometry_range *range = slot->range;
-  drop_upload(context, range);
-  geometry->bytes -= range->size;
-  retire(context, &range->retired, range_free);
-  ++slot->generation;
-  slot->next_free = geometry->first_free;
-  geometry->first_free = index + 1;
+  mesh.index_count = info->index_count;
+  geometry->meshes[slot] = mesh;
+  geometry->places[slot] = place;
+  geometry->bytes += place->size;
   return CSM_SUCCESS;
 }
 
-void geometry_destroy(csm_context *context) {
-  geometry *geometry = &context->geometry;
-  for (uint32_t i = 0; i < geometry->slot_count; ++i)
-    if (geometry->slots[i].generation % 2)
-      range_free(context, &geometry->slots[i].range->retired);
+void geometry_remove(device *device, uint32_t slot) {
+  geometry *geometry = &device->geometry;
+  geometry_place *place = geometry->places[slot];
+  geometry->places[slot] = NULL;
+  geometry->bytes -= place->size;
+  drop_upload(device, place);
+  retire(device, &place->retired, place_free);
+}
+
+void geometry_destroy(device *device) {
+  geometry *geometry = &device->geometry;
+  csm_context *context = device->context;
+  for (uint32_t i = 0; i < geometry->capacity; ++i)
+    if (geometry->places[i])
+      place_free(device, &geometry->places[i]->retired);
   while (geometry->uploads) {
     geometry_upload *upload = geometry->uploads;
     geometry->uploads = upload->next;
@@ -387,16 +317,15 @@ void geometry_destroy(csm_context *context) {
   while (geometry->staging) {
     geometry_staging *staging = geometry->staging;
     geometry->staging = staging->next;
-    staging_free(context, &staging->retired);
+    staging_free(device, &staging->retired);
   }
   while (geometry->pages) {
     geometry_page *page = geometry->pages;
     geometry->pages = page->next;
-    context_buffer_free(context, page->buffer, page->size);
+    device_buffer_free(device, page->buffer, page->size);
     context_release(context, page->free);
     context_release(context, page);
   }
-  context_release(context, geometry->slots);
+  context_release(context, geometry->places);
   context_release(context, geometry->meshes);
-  context_release(context, geometry->bounds);
 }

@@ -1,70 +1,150 @@
 #include "cascades.h"
 
-enum { largest_mask = 16384 };
+enum { largest_mask = 16384, ring_alignment = 256 };
 
-static csm_result read_mask_info(csm_context *context, const csm_mask_info *in, csm_mask_info *out, csm_frame *frame) {
-  const csm_result result = context_check_struct(context, struct_read(out, sizeof *out, in), "csm_mask_info");
+/* Everything that a resolve needs, reserved before its first command. */
+typedef struct resolve {
+  csm_mask_info info;
+  csm_frame frame;
+  plan_camera camera;
+  plan_scene scene;
+  plan_list list; /* what the camera sees; empty if the engine brings its depth */
+  cascade_mask *mask;
+  mask_input *input;
+  gpu_image *depth, *normals; /* the engine's, or NULL */
+  bool unorm_normals;
+  ring_range ring;
+  uint64_t matrices_size;
+} resolve;
+
+static csm_result read_info(csm_context *context, const csm_mask_info *in, resolve *out) {
+  csm_mask_info *info = &out->info;
+  const csm_result result = context_check_struct(context, struct_read(info, sizeof *info, in), "csm_mask_info");
   if (result)
     return result;
-  if (out->flags & ~(uint32_t)CSM_FRAME_TIMESTAMPS)
-    return context_fail(context, CSM_ERROR_INVALID_VALUE, "csm_mask_info: unknown flags %x", out->flags);
-  if (out->camera_depth || out->normals)
-    return context_fail(context, CSM_ERROR_UNSUPPORTED, "csm_mask_info: an engine's %s is not taken in this version",
-                        out->camera_depth ? "camera_depth" : "normals");
-  if (!out->width || !out->height || out->width > largest_mask || out->height > largest_mask)
-    return context_fail(context, CSM_ERROR_INVALID_VALUE, "csm_mask_info: a size of %u x %u", out->width, out->height);
-  return frame_read(context, out->frame, frame);
+  if (info->flags & ~(uint32_t)CSM_FRAME_TIMESTAMPS)
+    return context_fail(context, CSM_ERROR_INVALID_VALUE, "csm_mask_info: unknown flags %x", info->flags);
+  if (context->device->own && (info->camera_depth || info->normals))
+    return context_fail(context, CSM_ERROR_UNSUPPORTED, "csm_mask_info: %s needs an engine's device",
+                        info->camera_depth ? "camera_depth" : "normals");
+  if (!info->width || !info->height || info->width > largest_mask || info->height > largest_mask)
+    return context_fail(context, CSM_ERROR_INVALID_VALUE, "csm_mask_info: a size of %u x %u", info->width,
+                        info->height);
+  return frame_read(context, info->frame, &out->frame);
 }
 
 /* The camera, the instances, and which of them it sees; all but the camera lie in the context's scratch memory. */
-static csm_result make_view(csm_context *context, const csm_frame *frame, plan_camera *camera, plan_scene *scene,
-                            plan_list *list) {
+static csm_result make_view(csm_context *context, resolve *r) {
   const char *text = "";
-  csm_result result = plan_camera_make(camera, frame->view, frame->projection, &text);
+  csm_result result = plan_camera_make(&r->camera, r->frame.view, r->frame.projection, &text);
   if (result)
     return context_fail(context, result, "csm_frame: %s", text);
-  const size_t instances = scene_size(frame->instance_count);
-  const size_t size = instances + plan_memory_size(frame->instance_count, context->geometry.slot_count, 0);
+  if (r->info.camera_depth)
+    return CSM_SUCCESS;
+  const size_t instances = scene_size(r->frame.instance_count);
+  const size_t size = instances + plan_memory_size(r->frame.instance_count, context->meshes.count, 0);
   result = context_grow(context, &context->scratch, &context->scratch_size, size);
   if (!result)
-    result = scene_read(context, frame, context->scratch, scene);
+    result = scene_read(context, &r->frame, context->scratch, &r->scene);
   if (!result)
-    plan_view_make(list, camera, scene, (char *)context->scratch + instances);
+    plan_view_make(&r->list, &r->camera, &r->scene, (char *)context->scratch + instances);
   return result;
 }
 
-static uint32_t write_constants(const csm_cascades *cascades, const cascade_mask *mask, const plan_camera *camera,
-                                uint32_t slot) {
-  const uint32_t offset = slot * MASK_BLOCKS;
-  char *memory = (char *)cascades->context->gpu.api->buffer_memory(mask->constants) + offset;
-  const plan_frame *plan = &cascades->plans[cascades->current].frame;
-  plan_write_constants((float *)memory, plan, &cascades->config);
-  plan_write_mask_constants((float *)(memory + MASK_CASCADES_BLOCK), plan, camera, mask->width, mask->height);
-  return offset;
+/* ---- the engine's images ---- */
+
+typedef struct imported_image {
+  retired retired;
+  gpu_image *image;
+} imported_image;
+
+static void imported_free(device *device, retired *self) {
+  device->gpu.api->image_destroy(device->gpu.device, ((imported_image *)self)->image);
+  context_release(device->context, self);
 }
 
-static void record(csm_cascades *cascades, const cascade_mask *mask, const plan_camera *camera, const plan_list *list,
-                   const ring_range *ring, bool timestamps) {
-  csm_context *context = cascades->context;
-  const pass_gpu gpu = context->gpu;
-  if (timestamps)
-    gpu.api->timestamp(gpu.device, 0);
-  camera_depth_record(gpu, &(camera_depth_pass){.program = context->camera_programs[camera->reversed],
-                                                .depth = mask->depth,
-                                                .target = mask->depth_target,
-                                                .reversed = camera->reversed,
-                                                .list = list,
-                                                .meshes = context->geometry.meshes,
-                                                .matrices = ring->buffer,
-                                                .matrices_offset = ring->offset});
-  if (timestamps)
-    gpu.api->timestamp(gpu.device, 1);
-  mask_record(gpu, &(mask_pass){.program = context->mask_programs[cascades->config.filter],
-                                .bindings = mask->bindings,
-                                .target = mask->mask_target,
-                                .constants_offset = write_constants(cascades, mask, camera, recording_slot(context))});
-  if (timestamps)
-    gpu.api->timestamp(gpu.device, 2);
+/* Takes an engine's image in until the frame that is about to be recorded is done. */
+static csm_result import(device *device, const void *native, const char *name, gpu_image **out, bool *unorm) {
+  if (!native)
+    return CSM_SUCCESS;
+  imported_image *imported = context_allocate(device->context, sizeof *imported);
+  if (!imported)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  const csm_result result = device_check(
+      device, device->gpu.api->image_import(device->gpu.device, native, &imported->image, unorm), name);
+  if (result) {
+    context_release(device->context, imported);
+    return result;
+  }
+  retire(device, &imported->retired, imported_free);
+  imported->retired.serial = device->prepared.serial;
+  *out = imported->image;
+  return CSM_SUCCESS;
+}
+
+/* ---- reserving and recording ---- */
+
+static csm_result reserve(csm_cascades *cascades, resolve *r) {
+  device *device = cascades->context->device;
+  const uint64_t matrices = (uint64_t)r->list.instance_count * PASS_CAMERA_ROWS * 4 * sizeof(float);
+  r->matrices_size = (matrices + ring_alignment - 1) / ring_alignment * ring_alignment;
+  bool ignored;
+  csm_result result = recording_prepare(device, r->frame.frame, r->matrices_size + MASK_BLOCKS, &r->ring);
+  if (!result)
+    result = cascades_mask(cascades, r->info.width, r->info.height, !r->info.camera_depth, &r->mask);
+  if (!result)
+    result = import(device, r->info.camera_depth, "csm_mask_info: camera_depth", &r->depth, &ignored);
+  if (!result)
+    result = import(device, r->info.normals, "csm_mask_info: normals", &r->normals, &r->unorm_normals);
+  if (result)
+    return result;
+  const gpu_bindings_info reads =
+      mask_inputs(device->mask_programs[cascades->config.filter][r->normals != NULL], r->ring.buffer,
+                  cascades->maps->image, r->depth ? r->depth : r->mask->depth, r->normals);
+  return mask_input_find(cascades, r->mask, &reads, r->normals != NULL, &r->input);
+}
+
+static void write_ring(const csm_cascades *cascades, const resolve *r) {
+  const plan_frame *plan = &cascades->plans[cascades->current].frame;
+  char *blocks = (char *)r->ring.memory + r->matrices_size;
+  if (r->list.instance_count)
+    plan_write_view_matrices(r->ring.memory, &r->list, &r->camera, &r->scene);
+  plan_write_constants((float *)blocks, plan, &cascades->config);
+  plan_write_mask_constants((float *)(blocks + MASK_CASCADES_BLOCK), plan, &r->camera, r->mask->width, r->mask->height,
+                            r->unorm_normals);
+}
+
+static void record_depth(csm_cascades *cascades, const resolve *r) {
+  const device *device = cascades->context->device;
+  if (r->depth)
+    return;
+  camera_depth_record(device->gpu, &(camera_depth_pass){.programs = device->programs.camera[r->camera.reversed],
+                                                        .depth = r->mask->depth,
+                                                        .target = r->mask->depth_target,
+                                                        .reversed = r->camera.reversed,
+                                                        .list = &r->list,
+                                                        .meshes = device->geometry.meshes,
+                                                        .matrices = r->ring.buffer,
+                                                        .matrices_offset = r->ring.offset});
+}
+
+static void record(csm_cascades *cascades, const resolve *r) {
+  device *device = cascades->context->device;
+  const pass_gpu gpu = device->gpu;
+  uint32_t first = 0;
+  const bool timed = (r->info.flags | r->frame.flags) & CSM_FRAME_TIMESTAMPS &&
+                     recording_expect_timing(device, cascades, 3, true, &first);
+  if (timed)
+    gpu.api->timestamp(gpu.device, first);
+  record_depth(cascades, r);
+  if (timed)
+    gpu.api->timestamp(gpu.device, first + 1);
+  mask_record(gpu, &(mask_pass){.program = device->mask_programs[cascades->config.filter][r->normals != NULL],
+                                .bindings = r->input->bindings,
+                                .target = r->mask->mask_target,
+                                .constants_offset = (uint32_t)(r->ring.offset + r->matrices_size)});
+  if (timed)
+    gpu.api->timestamp(gpu.device, first + 2);
 }
 
 csm_result CSM_CALL csm_resolve_mask(csm_cascades *cascades, const csm_mask_info *in) {
@@ -72,39 +152,26 @@ csm_result CSM_CALL csm_resolve_mask(csm_cascades *cascades, const csm_mask_info
   if (result)
     return result;
   csm_context *context = cascades->context;
-  csm_mask_info info;
-  csm_frame frame;
-  result = read_mask_info(context, in, &info, &frame);
+  resolve r = {0};
+  result = read_info(context, in, &r);
   if (!result && !cascades->drawn)
     result = context_fail(context, CSM_ERROR_INVALID_STATE, "no maps have been drawn with this configuration yet");
-  if (result)
-    return result;
-
-  plan_camera camera;
-  plan_scene scene;
-  plan_list list;
-  cascade_mask *mask;
-  ring_range ring = {0};
-  result = make_view(context, &frame, &camera, &scene, &list);
   if (!result)
-    result = recording_prepare(context, (uint64_t)list.instance_count * PASS_CAMERA_ROWS * 4 * sizeof(float), &ring);
+    result = make_view(context, &r);
   if (!result)
-    result = cascades_mask(cascades, info.width, info.height, &mask);
+    result = reserve(cascades, &r);
   if (result)
     return result;
-  if (list.instance_count)
-    plan_write_view_matrices(ring.memory, &list, &camera, &scene);
-
-  result = recording_begin(context);
+  write_ring(cascades, &r);
+  result = recording_begin(context->device, r.frame.command_buffer);
   if (result)
     return result;
-  const bool timestamps = (info.flags | frame.flags) & CSM_FRAME_TIMESTAMPS;
-  record(cascades, mask, &camera, &list, &ring, timestamps);
-  result = recording_end(context);
+  record(cascades, &r);
+  result = recording_end(context->device);
   if (result)
     return result;
-  if (timestamps)
-    cascades_expect_timing(cascades, 3, true);
-  mask->drawn = true;
+  r.input->serial = context->device->serial;
+  r.mask->drawn = true;
+  r.mask->depth_drawn = !r.depth;
   return CSM_SUCCESS;
 }

@@ -31,59 +31,71 @@ csm_result context_grow(csm_context *context, void **memory, size_t *capacity, s
   return CSM_SUCCESS;
 }
 
+/* What the engine, or else the driver, says that may still be taken. */
+static uint64_t budget(device *device) {
+  const csm_context *context = device->context;
+  return context->budget ? context->budget(context->user) : device->gpu.api->memory_available(device->gpu.device);
+}
+
 /* Drivers may accept more than they say that they can hold (lavapipe does), so limits are asked first. */
-static csm_result check_device_memory(csm_context *context, const char *name, uint64_t size, uint64_t largest) {
-  const uint64_t limit = context->memory_limit ? context->memory_limit : context->info.memory_size;
+static csm_result check_memory(device *device, const char *name, uint64_t size, uint64_t largest) {
+  csm_context *context = device->context;
+  const uint64_t limit = device->memory_limit ? device->memory_limit : device->info.memory_size;
+  const uint64_t available = budget(device);
   if (size > largest)
     return context_fail(context, CSM_ERROR_LIMIT_EXCEEDED, "%s takes %llu bytes, the device allows %llu in one piece",
                         name, (unsigned long long)size, (unsigned long long)largest);
-  if (size > limit || context->memory_used > limit - size)
+  if (size > limit || device->memory_used > limit - size)
     return context_fail(context, CSM_ERROR_LIMIT_EXCEEDED, "%s takes %llu bytes; %llu of %llu are in use", name,
-                        (unsigned long long)size, (unsigned long long)context->memory_used, (unsigned long long)limit);
+                        (unsigned long long)size, (unsigned long long)device->memory_used, (unsigned long long)limit);
+  if (size > available)
+    return context_fail(context, CSM_ERROR_LIMIT_EXCEEDED, "%s takes %llu bytes; the budget leaves %llu", name,
+                        (unsigned long long)size, (unsigned long long)available);
   return CSM_SUCCESS;
 }
 
-csm_result context_buffer(csm_context *context, const gpu_buffer_info *info, gpu_buffer **out) {
-  const uint64_t most = context->info.max_buffer_size < context->info.max_allocation_size
-                            ? context->info.max_buffer_size
-                            : context->info.max_allocation_size;
+csm_result device_buffer(device *device, const gpu_buffer_info *info, gpu_buffer **out) {
+  const uint64_t most = device->info.max_buffer_size < device->info.max_allocation_size
+                            ? device->info.max_buffer_size
+                            : device->info.max_allocation_size;
   *out = NULL;
-  csm_result result = check_device_memory(context, info->name, info->size, most);
+  csm_result result = check_memory(device, info->name, info->size, most);
   if (!result)
-    result = context_check(context, context->gpu.api->buffer_create(context->gpu.device, info, out), info->name);
+    result = device_check(device, device->gpu.api->buffer_create(device->gpu.device, info, out), info->name);
   if (!result)
-    context->memory_used += info->size;
+    device->memory_used += info->size;
   return result;
 }
 
-void context_buffer_free(csm_context *context, gpu_buffer *buffer, uint64_t size) {
+void device_buffer_free(device *device, gpu_buffer *buffer, uint64_t size) {
   if (!buffer)
     return;
-  context->gpu.api->buffer_destroy(context->gpu.device, buffer);
-  context->memory_used -= size;
+  device->gpu.api->buffer_destroy(device->gpu.device, buffer);
+  device->memory_used -= size;
 }
 
-csm_result context_image(csm_context *context, const gpu_image_info *info, gpu_image **out) {
+csm_result device_image(device *device, const gpu_image_info *info, gpu_image **out) {
+  csm_context *context = device->context;
   const uint64_t texel = info->format == GPU_FORMAT_R8_UNORM ? 1 : 4;
   *out = NULL;
-  if (info->width > context->info.max_image_size || info->height > context->info.max_image_size)
+  if (info->width > device->info.max_image_size || info->height > device->info.max_image_size)
     return context_fail(context, CSM_ERROR_LIMIT_EXCEEDED, "%s: %u x %u texels, the device allows %u a side",
-                        info->name, info->width, info->height, context->info.max_image_size);
-  if (info->layers > context->info.max_image_layers)
+                        info->name, info->width, info->height, device->info.max_image_size);
+  if (info->layers > device->info.max_image_layers)
     return context_fail(context, CSM_ERROR_LIMIT_EXCEEDED, "%s: %u layers, the device allows %u", info->name,
-                        info->layers, context->info.max_image_layers);
-  csm_result result = check_device_memory(context, info->name, texel * info->width * info->height * info->layers,
-                                          context->info.max_allocation_size);
+                        info->layers, device->info.max_image_layers);
+  csm_result result = check_memory(device, info->name, texel * info->width * info->height * info->layers,
+                                   device->info.max_allocation_size);
   if (!result)
-    result = context_check(context, context->gpu.api->image_create(context->gpu.device, info, out), info->name);
+    result = device_check(device, device->gpu.api->image_create(device->gpu.device, info, out), info->name);
   if (!result)
-    context->memory_used += context->gpu.api->image_bytes(*out);
+    device->memory_used += device->gpu.api->image_bytes(*out);
   return result;
 }
 
-void context_image_free(csm_context *context, gpu_image *image) {
+void device_image_free(device *device, gpu_image *image) {
   if (!image)
     return;
-  context->memory_used -= context->gpu.api->image_bytes(image);
-  context->gpu.api->image_destroy(context->gpu.device, image);
+  device->memory_used -= device->gpu.api->image_bytes(image);
+  device->gpu.api->image_destroy(device->gpu.device, image);
 }

@@ -25,7 +25,7 @@ static csm_result find_source(csm_cascades *cascades, const csm_read_info *info,
     *out = (source){cascades->maps->image, info->cascade, cascades->maps->resolution, cascades->maps->resolution, 4};
     return CSM_SUCCESS;
   }
-  if (!mask || !mask->drawn)
+  if (!mask || !(info->source == CSM_READ_MASK ? mask->drawn : mask->depth_drawn))
     return context_fail(context, CSM_ERROR_INVALID_STATE, "no mask has been resolved yet");
   *out = info->source == CSM_READ_MASK ? (source){mask->mask, 0, mask->width, mask->height, 1}
                                        : (source){mask->depth, 0, mask->width, mask->height, 4};
@@ -43,27 +43,27 @@ static void unpack(const source *from, const unsigned char *rows, uint32_t row_b
   }
 }
 
-static csm_result copy_out(csm_context *context, const source *from, float *data) {
+static csm_result copy_out(device *device, const source *from, float *data) {
   const uint32_t row_bytes = (from->width * from->texel_bytes + row_alignment - 1) / row_alignment * row_alignment;
   const uint64_t size = (uint64_t)row_bytes * from->height;
   gpu_buffer *buffer;
   ring_range ring = {0};
-  csm_result result = context_buffer(
-      context, &(gpu_buffer_info){.name = "read back", .kind = GPU_BUFFER_READBACK, .size = size}, &buffer);
+  csm_result result = device_buffer(
+      device, &(gpu_buffer_info){.name = "read back", .kind = GPU_BUFFER_READBACK, .size = size}, &buffer);
   if (result)
     return result;
-  result = recording_prepare(context, 0, &ring);
+  result = recording_prepare(device, 0, 0, &ring);
   if (!result)
-    result = recording_begin(context);
+    result = recording_begin(device, NULL);
   if (!result) {
-    context->gpu.api->copy_image(context->gpu.device, buffer, 0, row_bytes, from->image, from->layer);
-    result = recording_end(context);
+    device->gpu.api->copy_image(device->gpu.device, buffer, 0, row_bytes, from->image, from->layer);
+    result = recording_end(device);
   }
   if (!result)
-    result = recording_finish(context);
+    result = recording_finish(device);
   if (!result)
-    unpack(from, context->gpu.api->buffer_memory(buffer), row_bytes, data);
-  context_buffer_free(context, buffer, size);
+    unpack(from, device->gpu.api->buffer_memory(buffer), row_bytes, data);
+  device_buffer_free(device, buffer, size);
   return result;
 }
 
@@ -75,6 +75,8 @@ csm_result CSM_CALL csm_read(csm_cascades *cascades, const csm_read_info *in) {
   csm_read_info info;
   source from = {0};
   result = context_check_struct(context, struct_read(&info, sizeof info, in), "csm_read_info");
+  if (!result && !context->device->own)
+    result = context_fail(context, CSM_ERROR_UNSUPPORTED, "csm_read needs an own device: it submits and waits");
   if (!result)
     result = find_source(cascades, &info, &from);
   if (result)
@@ -85,5 +87,5 @@ csm_result CSM_CALL csm_read(csm_cascades *cascades, const csm_read_info *in) {
   if (info.size != size)
     return context_fail(context, CSM_ERROR_INVALID_VALUE, "csm_read_info: size is %llu, not %llu",
                         (unsigned long long)info.size, (unsigned long long)size);
-  return copy_out(context, &from, info.data);
+  return copy_out(context->device, &from, info.data);
 }

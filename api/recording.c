@@ -1,89 +1,194 @@
-#include "context.h"
 #include "cascades.h"
 
-enum { ring_smallest = 1 << 16 };
+enum { ring_smallest = 1 << 16, ring_alignment = 256 };
 
-/* The serial that a slot's last recording had is done once the slot was waited for. */
-static csm_result finish_slot(csm_context *context, uint32_t slot) {
-  csm_result result =
-      context_check(context, context->gpu.api->wait(context->gpu.device, slot), "waiting for the device");
-  slot_timing *timing = &context->timing[slot];
-  if (!result && timing->cascades) {
+/* Takes over what a slot's frame measured, now that it is done. */
+static csm_result collect_timings(device *device, uint32_t index) {
+  frame_slot *slot = &device->slots[index];
+  csm_result result = CSM_SUCCESS;
+  for (uint32_t i = 0; i < slot->timing_count && !result; ++i) {
+    const timing *timing = &slot->timings[i];
     uint64_t stamps[GPU_MAX_TIMESTAMPS];
-    result = context_check(context, context->gpu.api->timestamps(context->gpu.device, slot, timing->count, stamps),
-                           "reading timestamps");
+    if (!timing->cascades)
+      continue;
+    result = device_check(
+        device, device->gpu.api->timestamps(device->gpu.device, index, timing->first, timing->count, stamps),
+        "reading timestamps");
     if (!result)
       cascades_take_timing(timing->cascades, timing, stamps);
-    timing->cascades = NULL;
   }
+  slot->timing_count = 0;
   return result;
 }
 
-static csm_result reserve(csm_context *context, ring_slot *ring, uint64_t size) {
-  if (size <= ring->size)
-    return CSM_SUCCESS;
-  uint64_t grown = ring_smallest;
-  while (grown < size)
-    grown *= 2;
-  gpu_buffer *buffer;
-  const csm_result result = context_buffer(
-      context, &(gpu_buffer_info){.name = "frame ring", .kind = GPU_BUFFER_UPLOAD, .size = grown}, &buffer);
-  if (result)
-    return result;
-  context_buffer_free(context, ring->buffer, ring->size);
-  *ring = (ring_slot){.buffer = buffer, .size = grown};
-  return CSM_SUCCESS;
-}
-
-csm_result recording_prepare(csm_context *context, uint64_t ring_size, ring_range *range) {
-  const uint64_t serial = context->serial + 1;
-  const uint32_t slot = (uint32_t)(serial % context->slot_count);
-  csm_result result = finish_slot(context, slot);
-  if (result)
-    return result;
-  if (serial > context->slot_count)
-    retire_collect(context, serial - context->slot_count);
-  ring_slot *ring = &context->ring[slot];
-  result = reserve(context, ring, ring_size);
-  if (result || !ring->buffer)
-    return result;
-  *range = (ring_range){.buffer = ring->buffer, .memory = context->gpu.api->buffer_memory(ring->buffer)};
-  return CSM_SUCCESS;
-}
-
-csm_result recording_begin(csm_context *context) {
-  const uint32_t slot = (uint32_t)((context->serial + 1) % context->slot_count);
+static csm_result wait_for_slot(device *device, uint32_t index) {
   const csm_result result =
-      context_check(context, context->gpu.api->begin(context->gpu.device, slot, NULL), "beginning a recording");
+      device_check(device, device->gpu.api->wait(device->gpu.device, index), "waiting for the device");
   if (result)
     return result;
-  ++context->serial;
-  geometry_record(context);
+  if (device->slots[index].serial > device->done)
+    device->done = device->slots[index].serial;
+  return collect_timings(device, index);
+}
+
+/* ---- the ring ---- */
+
+static void ring_free(device *device, retired *self) {
+  ring_buffer *ring = (ring_buffer *)self;
+  device_buffer_free(device, ring->buffer, ring->size);
+  context_release(device->context, ring);
+}
+
+static csm_result ring_create(device *device, uint64_t size, ring_buffer **out) {
+  ring_buffer *ring = context_allocate(device->context, sizeof *ring);
+  if (!ring)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  ring->size = ring_smallest;
+  while (ring->size < size)
+    ring->size *= 2;
+  const gpu_buffer_info info = {.name = "frame ring", .kind = GPU_BUFFER_UPLOAD, .size = ring->size};
+  const csm_result result = device_buffer(device, &info, &ring->buffer);
+  if (result) {
+    context_release(device->context, ring);
+    return result;
+  }
+  *out = ring;
   return CSM_SUCCESS;
 }
 
-csm_result recording_end(csm_context *context) {
-  const csm_result result = context->gpu.api->end(context->gpu.device);
+/* A ring that is too small gives way to one that holds all that the frame has asked for so far, and more. */
+static csm_result ring_reserve(device *device, frame_slot *slot, bool fresh, uint64_t size, ring_range *range) {
+  const uint64_t used = fresh || !slot->ring ? 0 : slot->ring->used;
+  if (!slot->ring || slot->ring->size - used < size) {
+    ring_buffer *ring;
+    const csm_result result = ring_create(device, used + size, &ring);
+    if (result)
+      return result;
+    if (slot->ring)
+      retire(device, &slot->ring->retired, ring_free);
+    slot->ring = ring;
+    ring->used = 0;
+  } else {
+    slot->ring->used = used;
+  }
+  *range = (ring_range){.buffer = slot->ring->buffer,
+                        .offset = slot->ring->used,
+                        .memory = (char *)device->gpu.api->buffer_memory(slot->ring->buffer) + slot->ring->used};
+  slot->ring->used += (size + ring_alignment - 1) / ring_alignment * ring_alignment;
+  return CSM_SUCCESS;
+}
+
+/* ---- recordings ---- */
+
+/* Which slot a frame takes. An engine's calls may share a frame. */
+static csm_result find_slot(device *device, uint64_t frame, next_frame *out) {
+  const bool fresh = device->own || frame != device->serial;
+  *out = (next_frame){.serial = device->own ? device->serial + 1 : frame,
+                      .slot = fresh ? (device->slot + 1) % device->slot_count : device->slot,
+                      .fresh = fresh};
+  if (out->serial < device->serial)
+    return context_fail(device->context, CSM_ERROR_INVALID_VALUE, "csm_frame: frame %llu comes after frame %llu",
+                        (unsigned long long)frame, (unsigned long long)device->serial);
+  const uint64_t holder = device->slots[out->slot].serial;
+  if (!device->own && fresh && holder > device->done)
+    return context_fail(device->context, CSM_ERROR_INVALID_STATE,
+                        "frame %llu needs the place of frame %llu, which is not retired: more frames are in flight "
+                        "than the %u frame_slots",
+                        (unsigned long long)frame, (unsigned long long)holder, device->slot_count);
+  return CSM_SUCCESS;
+}
+
+csm_result recording_prepare(device *device, uint64_t frame, uint64_t ring_size, ring_range *range) {
+  next_frame next;
+  csm_result result = find_slot(device, frame, &next);
+  if (!result && device->own)
+    result = wait_for_slot(device, next.slot);
+  if (result)
+    return result;
+  retire_collect(device);
+  if (ring_size)
+    result = ring_reserve(device, &device->slots[next.slot], next.fresh, ring_size, range);
+  if (!result)
+    device->prepared = next;
+  return result;
+}
+
+csm_result recording_begin(device *device, void *native) {
+  const next_frame *next = &device->prepared;
+  const gpu_record_info info = {.slot = next->slot, .native = native, .first = next->fresh};
+  const csm_result result =
+      device_check(device, device->gpu.api->begin(device->gpu.device, &info), "beginning a recording");
+  if (result)
+    return result;
+  frame_slot *slot = &device->slots[next->slot];
+  if (next->fresh)
+    slot->stamps = 0;
+  slot->serial = device->serial = next->serial;
+  device->slot = next->slot;
+  geometry_record(device);
+  return CSM_SUCCESS;
+}
+
+csm_result recording_end(device *device) {
+  const csm_result result = device->gpu.api->end(device->gpu.device);
+  if (!result)
+    return CSM_SUCCESS;
   /* What was recorded is gone, uploads among it: there is no way back to what was. */
-  return result ? context_fail(context, CSM_ERROR_DEVICE_LOST, "submitting a recording: %s", csm_result_name(result))
-                : CSM_SUCCESS;
+  device->lost = true;
+  return context_fail(device->context, CSM_ERROR_DEVICE_LOST, "submitting a recording: %s", csm_result_name(result));
 }
 
-uint32_t recording_slot(const csm_context *context) {
-  return (uint32_t)(context->serial % context->slot_count);
+/* ---- timing ---- */
+
+bool recording_expect_timing(device *device, csm_cascades *cascades, uint32_t count, bool mask, uint32_t *first) {
+  frame_slot *slot = &device->slots[device->slot];
+  if (slot->timing_count == DEVICE_MAX_TIMINGS || slot->stamps + count > GPU_MAX_TIMESTAMPS)
+    return false;
+  *first = slot->stamps;
+  slot->timings[slot->timing_count++] =
+      (timing){.cascades = cascades, .first = slot->stamps, .count = count, .mask = mask};
+  slot->stamps += count;
+  return true;
 }
 
-csm_result recording_finish(csm_context *context) {
-  for (uint32_t slot = 0; slot < context->slot_count; ++slot) {
-    const csm_result result = finish_slot(context, slot);
+void recording_forget_timing(device *device, const csm_cascades *cascades) {
+  for (uint32_t i = 0; i < device->slot_count; ++i)
+    for (uint32_t t = 0; t < device->slots[i].timing_count; ++t)
+      if (device->slots[i].timings[t].cascades == cascades)
+        device->slots[i].timings[t].cascades = NULL;
+}
+
+/* ---- ends ---- */
+
+csm_result recording_finish(device *device) {
+  if (!device->own)
+    return CSM_SUCCESS;
+  for (uint32_t slot = 0; slot < device->slot_count; ++slot) {
+    const csm_result result = wait_for_slot(device, slot);
     if (result)
       return result;
   }
-  retire_collect(context, context->serial);
+  retire_collect(device);
   return CSM_SUCCESS;
 }
 
-void recording_destroy(csm_context *context) {
-  for (uint32_t slot = 0; slot < context->slot_count; ++slot)
-    context_buffer_free(context, context->ring[slot].buffer, context->ring[slot].size);
+csm_result recording_retire(device *device, uint64_t frame) {
+  if (frame > device->serial)
+    return context_fail(device->context, CSM_ERROR_INVALID_VALUE, "frame %llu is retired, the last recorded is %llu",
+                        (unsigned long long)frame, (unsigned long long)device->serial);
+  if (frame <= device->done)
+    return CSM_SUCCESS;
+  csm_result result = CSM_SUCCESS;
+  for (uint32_t slot = 0; slot < device->slot_count && !result; ++slot)
+    if (device->slots[slot].serial > device->done && device->slots[slot].serial <= frame)
+      result = collect_timings(device, slot);
+  device->done = frame;
+  retire_collect(device);
+  return result;
+}
+
+void recording_destroy(device *device) {
+  for (uint32_t slot = 0; slot < device->slot_count; ++slot)
+    if (device->slots[slot].ring)
+      ring_free(device, &device->slots[slot].ring->retired);
 }

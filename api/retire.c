@@ -1,19 +1,19 @@
-#include "context.h"
+#include "device.h"
 
-void retire(csm_context *context, retired *thing, void (*destroy)(csm_context *, retired *)) {
-  thing->serial = context->serial;
+void retire(device *device, retired *thing, void (*destroy)(struct device *, retired *)) {
+  thing->serial = device->serial;
   thing->destroy = destroy;
-  thing->next = context->retired;
-  context->retired = thing;
+  thing->next = device->retired;
+  device->retired = thing;
 }
 
-void retire_collect(csm_context *context, uint64_t serial) {
-  retired **link = &context->retired;
+void retire_collect(device *device) {
+  retired **link = &device->retired;
   while (*link) {
     retired *thing = *link;
-    if (thing->serial <= serial) {
+    if (thing->serial <= device->done) {
       *link = thing->next;
-      thing->destroy(context, thing);
+      thing->destroy(device, thing);
     } else {
       link = &thing->next;
     }

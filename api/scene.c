@@ -12,12 +12,16 @@ csm_result frame_read(csm_context *context, const csm_frame *in, csm_frame *out)
     return result;
   if (out->flags & ~(uint32_t)CSM_FRAME_TIMESTAMPS || out->reserved)
     return context_fail(context, CSM_ERROR_INVALID_VALUE, "csm_frame: unknown flags %x", out->flags);
-  if (out->draw)
-    return context_fail(context, CSM_ERROR_UNSUPPORTED, "csm_frame: draw callbacks are not in this version");
-  if (out->command_buffer || out->frame)
+  if (context->device->own && out->draw)
+    return context_fail(context, CSM_ERROR_UNSUPPORTED, "csm_frame: draw needs an engine's device");
+  if (context->device->own && (out->command_buffer || out->frame))
     return context_fail(context, CSM_ERROR_INVALID_VALUE,
                         "csm_frame: %s belongs to an engine's device, and this context opened its own",
                         out->frame ? "frame" : "command_buffer");
+  if (!context->device->own && !out->command_buffer)
+    return context_fail(context, CSM_ERROR_NULL_POINTER, "csm_frame: command_buffer is NULL");
+  if (!context->device->own && !out->frame)
+    return context_fail(context, CSM_ERROR_INVALID_VALUE, "csm_frame: frame is 0; frames are counted from 1");
   if (out->instance_count && !out->instances)
     return context_fail(context, CSM_ERROR_NULL_POINTER, "csm_frame: instances is NULL");
   return CSM_SUCCESS;
@@ -26,7 +30,7 @@ csm_result frame_read(csm_context *context, const csm_frame *in, csm_frame *out)
 static csm_result instance_read(csm_context *context, uint32_t index, const csm_instance *in, plan_instance *out) {
   if (in->flags)
     return context_fail(context, CSM_ERROR_INVALID_VALUE, "instance %u: unknown flags %x", index, in->flags);
-  const uint32_t mesh = geometry_find(&context->geometry, in->mesh);
+  const uint32_t mesh = meshes_find(&context->meshes, in->mesh);
   if (mesh == UINT32_MAX)
     return context_fail(context, CSM_ERROR_INVALID_HANDLE, "instance %u: mesh %llx does not exist", index,
                         (unsigned long long)in->mesh);
@@ -63,7 +67,7 @@ csm_result scene_read(csm_context *context, const csm_frame *frame, void *memory
   }
   *scene = (plan_scene){.instances = instances,
                         .instance_count = frame->instance_count,
-                        .meshes = context->geometry.bounds,
-                        .mesh_count = context->geometry.slot_count};
+                        .meshes = context->meshes.bounds,
+                        .mesh_count = context->meshes.count};
   return CSM_SUCCESS;
 }

@@ -57,7 +57,8 @@ typedef struct gpu_open_info {
   const char *device_name; /* part of a name, or NULL for the best: discrete, integrated, virtual, CPU */
   bool validate;           /* turn the driver stack's validation on; messages go to host->log as errors or warnings */
   uint32_t slots;          /* recordings in flight, 1 to 8 */
-  const void *native;      /* the engine's device (csm_vulkan_device, csm_d3d12_device), or NULL to open an own one */
+  const void *native;      /* the engine's device (csm_vulkan_device, csm_d3d12_device), or NULL to open an own one; its
+                              struct_size and what it points at are the backend's to check */
   char *error;             /* receives a text when opening fails */
   size_t error_size;
 } gpu_open_info;
@@ -77,6 +78,13 @@ typedef enum gpu_buffer_kind {
   GPU_BUFFER_READBACK /* mapped for reading: copy destination */
 } gpu_buffer_kind;
 
+/* The engine's own buffers of a mesh, taken in; the two may be one. */
+typedef struct gpu_geometry {
+  gpu_buffer *vertices, *indices;
+  uint64_t vertex_offset, index_offset;
+  uint32_t vertex_stride, index_size;
+} gpu_geometry;
+
 typedef struct gpu_buffer_info {
   const char *name;
   gpu_buffer_kind kind;
@@ -92,6 +100,26 @@ typedef struct gpu_image_info {
   uint32_t width, height, layers;
   bool array; /* shaders see it as an array, even with one layer */
 } gpu_image_info;
+
+/* What an engine's shaders sample: VkImage, VkImageView (of all layers) and VkSampler (comparing), or ID3D12Resource*. */
+typedef struct gpu_native_image {
+  uint64_t image, view, sampler;
+} gpu_native_image;
+
+/* What an engine needs to record draws of its own into the pass that is open. */
+typedef struct gpu_native_pass {
+  void *command_buffer;  /* VkCommandBuffer, ID3D12GraphicsCommandList* */
+  uint64_t render_pass;  /* VkRenderPass; subpass 0 */
+  uint64_t depth_view;   /* D3D12: the depth view's CPU descriptor */
+  uint32_t depth_format; /* VkFormat, DXGI_FORMAT */
+} gpu_native_pass;
+
+/* One recording. */
+typedef struct gpu_record_info {
+  uint32_t slot;
+  void *native; /* the engine's command buffer or list, open and outside a render pass; NULL on an own device */
+  bool first;   /* the slot's first recording since its earlier frame was done; false: it adds to the same frame */
+} gpu_record_info;
 
 /* What draws go into: one layer of a depth image, or one of a colour image, or both. */
 typedef struct gpu_target_info {
@@ -199,20 +227,36 @@ typedef struct gpu_backend {
   csm_result (*image_create)(gpu_device *device, const gpu_image_info *info, gpu_image **out);
   void (*image_destroy)(gpu_device *device, gpu_image *image);
   uint64_t (*image_bytes)(const gpu_image *image); /* device memory that it takes */
-  uint64_t (*image_native)(const gpu_image *image); /* VkImage, ID3D12Resource* */
+  void (*image_native)(const gpu_device *device, const gpu_image *image, gpu_native_image *out);
+  /* D3D12: writes a shader resource view of the whole image to an engine's CPU descriptor. Vulkan: nothing. */
+  void (*image_describe)(gpu_device *device, const gpu_image *image, uint64_t descriptor);
+  /* The engine's own image to sample (csm_vulkan_image, csm_d3d12_image): it is in a state that shaders read, and stays
+     in it. *unorm tells that its texels are normalised integers. Destroyed like any other. Errors: those of creation,
+     NULL_POINTER, STRUCT_SIZE, INVALID_VALUE. */
+  csm_result (*image_import)(gpu_device *device, const void *native, gpu_image **out, bool *unorm);
+  /* The engine's own vertices and indices (csm_vulkan_mesh, csm_d3d12_mesh), readable as such while they are drawn.
+     Both buffers are destroyed like any other, the indices' only if it is another one. Errors: as image_import. */
+  csm_result (*geometry_import)(gpu_device *device, const void *native, gpu_geometry *out);
   csm_result (*target_create)(gpu_device *device, const gpu_target_info *info, gpu_target **out);
   void (*target_destroy)(gpu_device *device, gpu_target *target);
   csm_result (*program_create)(gpu_device *device, const gpu_program_info *info, gpu_program **out);
   void (*program_destroy)(gpu_device *device, gpu_program *program);
   csm_result (*bindings_create)(gpu_device *device, const gpu_bindings_info *info, gpu_bindings **out);
+  /* Makes bindings that no recording in flight uses read other things; the program is the one that they were made for,
+     or one of the same shape. Cannot fail. */
+  void (*bindings_write)(gpu_device *device, gpu_bindings *bindings, const gpu_bindings_info *info);
   void (*bindings_destroy)(gpu_device *device, gpu_bindings *bindings);
 
-  /* Recording. `begin` waits until slot's earlier recording is done; `native` is the engine's command buffer, or NULL.
-     Errors of begin: DEVICE_LOST, DEVICE, OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY. */
-  csm_result (*begin)(gpu_device *device, uint32_t slot, void *native);
+  /* Bytes of device memory that this process may still take, as the driver says; UINT64_MAX if it does not. */
+  uint64_t (*memory_available)(gpu_device *device);
+
+  /* Recording. On an own device `begin` waits until the slot's earlier recording is done; on an engine's, nothing is
+     ever waited for, and the front sees to it that the slot is free. Errors: DEVICE_LOST, DEVICE, OUT_OF_MEMORY,
+     OUT_OF_DEVICE_MEMORY. */
+  csm_result (*begin)(gpu_device *device, const gpu_record_info *info);
   void (*marker_begin)(gpu_device *device, const char *name);
   void (*marker_end)(gpu_device *device);
-  void (*timestamp)(gpu_device *device, uint32_t index); /* below GPU_MAX_TIMESTAMPS, each once a recording */
+  void (*timestamp)(gpu_device *device, uint32_t index); /* below GPU_MAX_TIMESTAMPS, each once for a frame's slot */
   void (*copy_buffer)(gpu_device *device, gpu_buffer *to, uint64_t to_offset, gpu_buffer *from, uint64_t from_offset,
                       uint64_t size);
   /* One layer to a readback buffer: row r begins at offset + r * row_bytes, row_bytes a multiple of 256. */
@@ -227,14 +271,18 @@ typedef struct gpu_backend {
   /* `offsets`: one for each of the program's constants, a multiple of 256. Textures must have been drawn before. */
   void (*pass_bind)(gpu_device *device, gpu_bindings *bindings, const uint32_t *offsets);
   void (*pass_draw)(gpu_device *device, const gpu_draw *draw);
+  /* What an engine needs to draw into the open pass itself. Viewport and scissor cover the target; what the engine binds
+     is forgotten with the next pass_program. */
+  void (*pass_native)(gpu_device *device, gpu_native_pass *out);
   /* Makes an image readable by shaders in the passes that follow; outside a pass. */
   void (*make_readable)(gpu_device *device, gpu_image *image);
-  /* Ends the recording, and submits it on an own device. Errors: DEVICE_LOST, DEVICE, OUT_OF_MEMORY. */
+  /* Ends the recording, and submits it on an own device; an engine's command buffer stays open. Errors: DEVICE_LOST, DEVICE, OUT_OF_MEMORY. */
   csm_result (*end)(gpu_device *device);
-  /* Waits for the slot's last recording; own device. Errors: DEVICE_LOST. */
+  /* Waits for the slot's last recording. Own device only. Errors: DEVICE_LOST. */
   csm_result (*wait)(gpu_device *device, uint32_t slot);
-  /* Reads timestamps 0 to count - 1 of the slot's last finished recording, in nanoseconds. Errors: DEVICE_LOST. */
-  csm_result (*timestamps)(gpu_device *device, uint32_t slot, uint32_t count, uint64_t *nanoseconds);
+  /* Reads `count` timestamps of the slot's finished recordings from index `first` on, in nanoseconds. Errors:
+     DEVICE_LOST. */
+  csm_result (*timestamps)(gpu_device *device, uint32_t slot, uint32_t first, uint32_t count, uint64_t *nanoseconds);
 } gpu_backend;
 
 /*

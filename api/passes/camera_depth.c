@@ -1,9 +1,13 @@
 #include "draw_list.h"
 #include "shader_code.h"
 
-csm_result camera_depth_program(pass_gpu gpu, bool reversed, gpu_program **out) {
-  return draw_list_program(gpu, reversed ? "camera depth, reversed" : "camera depth", shader_camera_depth_vs,
-                           PASS_CAMERA_ROWS, reversed ? GPU_COMPARE_GREATER : GPU_COMPARE_LESS, true, out);
+csm_result camera_depth_program(pass_gpu gpu, bool reversed, uint32_t vertex_stride, gpu_program **out) {
+  const draw_list_kind kind = {.name = reversed ? "camera depth, reversed" : "camera depth",
+                               .vertex = shader_camera_depth_vs,
+                               .rows = PASS_CAMERA_ROWS,
+                               .compare = reversed ? GPU_COMPARE_GREATER : GPU_COMPARE_LESS,
+                               .clip = true};
+  return draw_list_program(gpu, &kind, vertex_stride, out);
 }
 
 void camera_depth_record(pass_gpu gpu, const camera_depth_pass *pass) {
@@ -11,8 +15,7 @@ void camera_depth_record(pass_gpu gpu, const camera_depth_pass *pass) {
   gpu.api->clear_depth(gpu.device, pass->depth, pass->reversed ? 0.0f : 1.0f);
   if (pass->list->draw_count) {
     gpu.api->pass_begin(gpu.device, pass->target);
-    gpu.api->pass_program(gpu.device, pass->program);
-    draw_list(gpu, pass->list, pass->meshes, pass->matrices, pass->matrices_offset, PASS_CAMERA_ROWS);
+    draw_list(gpu, pass->programs, pass->list, pass->meshes, pass->matrices, pass->matrices_offset, PASS_CAMERA_ROWS);
     gpu.api->pass_end(gpu.device);
   }
   gpu.api->make_readable(gpu.device, pass->depth);

@@ -4,12 +4,22 @@
 
 #include "passes.h"
 
-/* Matrices of `rows` float4 rows each begin at `offset` of `matrices`, in the list's order. */
-void draw_list(pass_gpu gpu, const plan_list *list, const pass_mesh *meshes, gpu_buffer *matrices, uint64_t offset,
-               uint32_t rows);
+/*
+ * Matrices of `rows` float4 rows each begin at `offset` of `matrices`, in the list's order. `programs` is by
+ * pass_mesh.programs.
+ */
+void draw_list(pass_gpu gpu, gpu_program *const *programs, const plan_list *list, const pass_mesh *meshes,
+               gpu_buffer *matrices, uint64_t offset, uint32_t rows);
 
-/* A program that draws positions with matrices of `rows` rows into a depth image, and has no pixel shader. */
-csm_result draw_list_program(pass_gpu gpu, const char *name, gpu_code vertex, uint32_t rows, gpu_compare compare,
-                             bool clip, gpu_program **out);
+/* What sets one such program apart. It draws positions into a depth image, and has no pixel shader. */
+typedef struct draw_list_kind {
+  const char *name;
+  gpu_code vertex;
+  uint32_t rows;
+  gpu_compare compare;
+  bool clip;
+} draw_list_kind;
+
+csm_result draw_list_program(pass_gpu gpu, const draw_list_kind *kind, uint32_t vertex_stride, gpu_program **out);
 
 #endif

@@ -1,14 +1,18 @@
 #include "passes.h"
 #include "shader_code.h"
 
-csm_result mask_program(pass_gpu gpu, uint32_t filter, gpu_program **out) {
+csm_result mask_program(pass_gpu gpu, uint32_t filter, bool normals, gpu_program **out) {
+  const gpu_code *const codes[2][2] = {
+      [CSM_FILTER_PCF_2X2] = {&shader_mask_2x2_ps, &shader_mask_2x2_normals_ps},
+      [CSM_FILTER_PCF_3X3] = {&shader_mask_3x3_ps, &shader_mask_3x3_normals_ps},
+  };
   const gpu_program_info info = {
       .name = filter == CSM_FILTER_PCF_2X2 ? "mask, PCF 2x2" : "mask, PCF 3x3",
       .vertex = shader_screen_vs,
-      .pixel = filter == CSM_FILTER_PCF_2X2 ? shader_mask_2x2_ps : shader_mask_3x3_ps,
+      .pixel = *codes[filter][normals],
       .constants_count = 2,
       .constants_sizes = {MASK_CASCADES_BLOCK, MASK_CAMERA_BLOCK},
-      .texture_count = 2,
+      .texture_count = normals ? 3 : 2,
       .sampler_count = 1,
       .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL},
       .color_format = GPU_FORMAT_R8_UNORM,
@@ -17,15 +21,14 @@ csm_result mask_program(pass_gpu gpu, uint32_t filter, gpu_program **out) {
   return gpu.api->program_create(gpu.device, &info, out);
 }
 
-csm_result mask_bindings(pass_gpu gpu, const gpu_program *program, gpu_buffer *constants, gpu_image *maps,
-                         gpu_image *depth, gpu_bindings **out) {
-  const gpu_bindings_info info = {
+gpu_bindings_info mask_inputs(const gpu_program *program, gpu_buffer *constants, gpu_image *maps, gpu_image *depth,
+                              gpu_image *normals) {
+  return (gpu_bindings_info){
       .name = "mask",
       .program = program,
       .constants = {constants, constants},
-      .textures = {maps, depth},
+      .textures = {maps, depth, normals},
   };
-  return gpu.api->bindings_create(gpu.device, &info, out);
 }
 
 void mask_record(pass_gpu gpu, const mask_pass *pass) {

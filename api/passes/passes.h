@@ -16,36 +16,43 @@ typedef struct pass_gpu {
 
 /* Where a mesh lies, by its index in the plan's scene. */
 typedef struct pass_mesh {
-  gpu_buffer *buffer;
-  uint64_t vertices, indices; /* offsets into it */
+  gpu_buffer *vertices, *indices;
+  uint64_t vertex_offset, index_offset;
   uint32_t index_count, index_size;
+  uint32_t programs; /* index of the programs for its stride */
 } pass_mesh;
+
+/* Called inside a cascade's pass, when its list is drawn. */
+typedef void (*pass_callback)(void *user, uint32_t cascade);
 
 /* ---- the cascades' maps ---- */
 
 enum { PASS_CASCADE_ROWS = 3, PASS_CAMERA_ROWS = 4 }; /* float4 rows for each instance's matrix */
 
-csm_result cascade_depth_program(pass_gpu gpu, gpu_program **out);
+csm_result cascade_depth_program(pass_gpu gpu, uint32_t vertex_stride, gpu_program **out);
 
 typedef struct cascade_depth_pass {
-  gpu_program *program;
+  gpu_program *const *programs; /* by pass_mesh.programs */
   gpu_image *maps;
   gpu_target *const *targets; /* one for each cascade */
   const plan_frame *plan;
   const pass_mesh *meshes;
   gpu_buffer *matrices; /* as plan_write_cascade_matrices writes them */
   uint64_t matrices_offsets[CSM_MAX_CASCADES];
-  bool timestamps; /* 0: begin, 1: cleared, 2 + k: cascade k drawn */
+  pass_callback draw;   /* or NULL */
+  void *draw_user;
+  bool timestamps; /* from first_timestamp on: begin, cleared, each cascade drawn */
+  uint32_t first_timestamp;
 } cascade_depth_pass;
 
 void cascade_depth_record(pass_gpu gpu, const cascade_depth_pass *pass);
 
 /* ---- the camera's depth ---- */
 
-csm_result camera_depth_program(pass_gpu gpu, bool reversed, gpu_program **out);
+csm_result camera_depth_program(pass_gpu gpu, bool reversed, uint32_t vertex_stride, gpu_program **out);
 
 typedef struct camera_depth_pass {
-  gpu_program *program;
+  gpu_program *const *programs; /* by pass_mesh.programs */
   gpu_image *depth;
   gpu_target *target;
   bool reversed;
@@ -61,11 +68,11 @@ void camera_depth_record(pass_gpu gpu, const camera_depth_pass *pass);
 
 enum { MASK_CASCADES_BLOCK = 1024, MASK_CAMERA_BLOCK = 256, MASK_BLOCKS = MASK_CASCADES_BLOCK + MASK_CAMERA_BLOCK };
 
-csm_result mask_program(pass_gpu gpu, uint32_t filter, gpu_program **out);
+csm_result mask_program(pass_gpu gpu, uint32_t filter, bool normals, gpu_program **out);
 
-/* What the mask reads: maps and depth, and constants from `constants`, where each recording has MASK_BLOCKS bytes. */
-csm_result mask_bindings(pass_gpu gpu, const gpu_program *program, gpu_buffer *constants, gpu_image *maps,
-                         gpu_image *depth, gpu_bindings **out);
+/* What the mask reads: maps, depth, normals (or NULL), and from `constants` the MASK_BLOCKS bytes of a recording. */
+gpu_bindings_info mask_inputs(const gpu_program *program, gpu_buffer *constants, gpu_image *maps, gpu_image *depth,
+                              gpu_image *normals);
 
 typedef struct mask_pass {
   gpu_program *program;

@@ -34,7 +34,9 @@ typedef struct csm_cascades csm_cascades; /* one light seen from one camera: set
 typedef uint64_t csm_mesh;                /* a mesh of one context; 0 is none */
 
 struct csm_vulkan_device; /* csm_vulkan.h */
-struct csm_d3d12_device;  /* csm_d3d12.h */
+struct csm_vulkan_mesh;
+struct csm_d3d12_device; /* csm_d3d12.h */
+struct csm_d3d12_mesh;
 
 /* ---- library ---- */
 
@@ -76,8 +78,20 @@ CSM_API csm_result CSM_CALL csm_query_backends(uint32_t *count, csm_backend_info
 /* ---- context ---- */
 
 enum {
-  CSM_CREATE_VALIDATE = 1u << 0 /* own device: turn the driver stack's validation on, messages go to the log */
+  CSM_CREATE_VALIDATE = 1u << 0,     /* own device: turn the driver stack's validation on, messages go to the log */
+  CSM_CREATE_KEEP_GEOMETRY = 1u << 1 /* keep a copy of every mesh in host memory, for csm_switch_backend */
 };
+
+typedef struct csm_mesh_info csm_mesh_info;
+
+/*
+ * Gives a mesh's data again, for csm_switch_backend: fills `info`, whose struct_size is set, as for csm_mesh_create; the
+ * shape (counts, index_size) is what it was, and the data stays readable until the next call. Must not call back into csm.
+ */
+typedef csm_result(CSM_CALL *csm_supply_function)(void *user, csm_mesh mesh, csm_mesh_info *info);
+
+/* Bytes of device memory that the context may still take, as the engine sees it. Must not call back into csm. */
+typedef uint64_t(CSM_CALL *csm_budget_function)(void *user);
 
 typedef struct csm_create_info {
   uint32_t struct_size;
@@ -92,17 +106,19 @@ typedef struct csm_create_info {
   csm_allocate_function allocate;         /* both or neither; NULL uses malloc */
   csm_release_function release;
   csm_log_function log;   /* NULL is silent */
-  void *user;             /* handed to the three callbacks */
+  void *user;             /* handed to the callbacks */
   char *error;            /* receives the text of a creation that failed; may be NULL */
   uint64_t error_size;    /* bytes at `error` */
+  csm_supply_function supply; /* may be NULL */
+  csm_budget_function budget; /* asked before device memory is taken; NULL asks the driver (VK_EXT_memory_budget) */
 } csm_create_info;
 
 /*
  * Loads a backend and makes a context on it. A name is looked up beside libcsm, then in the folder it was installed to;
  * never in the current folder.
  * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (flags, frame_slots, backend), BACKEND_NOT_FOUND, BACKEND_BROKEN,
- * BACKEND_TOO_OLD, BACKEND_TOO_NEW, NO_DEVICE, UNSUPPORTED (an engine's device, in this version), OUT_OF_MEMORY,
- * OUT_OF_DEVICE_MEMORY, DEVICE. *context is NULL after an error. [any-thread]
+ * BACKEND_TOO_OLD, BACKEND_TOO_NEW, NO_DEVICE, UNSUPPORTED (an engine's device that lacks what
+ * csm_query_backends says is required, or that belongs to the other API), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE. *context is NULL after an error. [any-thread]
  */
 CSM_API csm_result CSM_CALL csm_create(const csm_create_info *info, csm_context **context);
 
@@ -112,15 +128,27 @@ CSM_API csm_result CSM_CALL csm_create(const csm_create_info *info, csm_context 
  */
 CSM_API void CSM_CALL csm_destroy(csm_context *context);
 
-/* Moves the context to another backend between two frames. UNSUPPORTED in this version. [render-thread] */
+/*
+ * Moves the context to another backend, or device, between two frames. The new device is opened completely, with all
+ * meshes (from the context's copy, see CSM_CREATE_KEEP_GEOMETRY, or from `supply`) and the maps of all cascades, or
+ * everything stays as it was. Meshes, cascades, settings and snapping carry on; maps and masks are drawn anew by the next
+ * csm_render_cascades and csm_resolve_mask. What lies on an own device is freed at once, after waiting for it; what lies
+ * on an engine's goes when csm_retire reaches its last frame. Works on a context whose device was lost.
+ * `info` is read as by csm_create, but for allocate, release, log, user, supply and budget: those stay.
+ * Errors: as csm_create, and INVALID_STATE (a mesh that has no copy and is not supplied). [render-thread]
+ */
 CSM_API csm_result CSM_CALL csm_switch_backend(csm_context *context, const csm_create_info *info);
 
-/* Engine's device: the GPU is done with frames up to `frame`. UNSUPPORTED in this version. [render-thread] */
+/*
+ * Engine's device: the GPU is done with every frame up to `frame`. Frees what waited for that. At most frame_slots frames
+ * may be recorded and not retired. Errors: NULL_POINTER, UNSUPPORTED (an own device, which knows by itself), INVALID_VALUE
+ * (a frame that was not recorded yet). [render-thread]
+ */
 CSM_API csm_result CSM_CALL csm_retire(csm_context *context, uint64_t frame);
 
 /* ---- geometry ---- */
 
-typedef struct csm_mesh_info {
+struct csm_mesh_info {
   uint32_t struct_size;
   uint32_t flags;             /* 0 */
   const void *positions;      /* vertex_count times three floats: object space, metres; copied */
@@ -130,12 +158,18 @@ typedef struct csm_mesh_info {
   uint32_t index_count;       /* a positive multiple of 3 */
   uint32_t index_size;        /* 2 or 4 bytes */
   const char *name;           /* for debuggers; may be NULL */
-} csm_mesh_info;
+  /* A mesh in an engine's own buffers, which are not copied: positions and indices are NULL then, the bounds are given,
+     and indices are not checked. At most one of the two, and the device's. */
+  const struct csm_vulkan_mesh *vulkan;
+  const struct csm_d3d12_mesh *d3d12;
+  float bounds_min[3], bounds_max[3]; /* object space, metres; read only for an engine's buffers */
+};
 
 /*
- * Copies a triangle mesh into the context. It is uploaded by the next frame that is recorded.
+ * Copies a triangle mesh into the context, or takes in an engine's own buffers, which must stay as they are until the
+ * mesh is destroyed and its last frame retired. A copied one is uploaded by the next frame that is recorded.
  * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (counts, stride, index_size, flags), INVALID_INDEX (an index not
- * below vertex_count), NOT_FINITE (a position), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, LIMIT_EXCEEDED, DEVICE_LOST.
+ * below vertex_count), NOT_FINITE (a position, the bounds), UNSUPPORTED (buffers of the other API), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, LIMIT_EXCEEDED, DEVICE_LOST.
  * *mesh is 0 after an error. [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_mesh_create(csm_context *context, const csm_mesh_info *info, csm_mesh *mesh);
@@ -217,8 +251,24 @@ typedef struct csm_instance {
   double transform[16]; /* object to world: affine, not singular */
 } csm_instance;
 
-/* What a draw callback gets for each cascade. Not in this version. */
-typedef struct csm_draw_info csm_draw_info;
+/* What a draw callback gets for each cascade. */
+typedef struct csm_draw_info {
+  uint32_t struct_size;
+  uint32_t cascade;
+  uint32_t resolution;      /* of the map, whose viewport and scissor are set */
+  uint32_t depth_format;    /* VkFormat or DXGI_FORMAT of the target; there is no colour, one sample */
+  double world_to_clip[16]; /* affine; depth outside [0,1] must be clamped, not clipped; it is smaller nearer the sun */
+  double planes[5][4];      /* world space: what may cast into the map has dot(p, xyz) + w >= 0 for some point, for each
+                               plane: left, right, bottom, top, far; towards the light it is open */
+  void *command_buffer;     /* VkCommandBuffer or ID3D12GraphicsCommandList*, inside the cascade's pass */
+  uint64_t render_pass;     /* VkRenderPass that the pass is compatible with, subpass 0; 0 on D3D12 */
+  uint64_t depth_view;      /* D3D12: CPU descriptor of the depth view that is set; 0 on Vulkan */
+} csm_draw_info;
+
+/*
+ * Draws casters of the engine's own into a cascade's map, after the frame's instances. It may change pipeline, bindings,
+ * buffers and dynamic state, and must leave the pass open. Must not call back into csm.
+ */
 typedef void(CSM_CALL *csm_draw_function)(void *user, const csm_draw_info *info);
 
 enum {
@@ -228,23 +278,26 @@ enum {
 typedef struct csm_frame {
   uint32_t struct_size;
   uint32_t flags;                  /* CSM_FRAME_* */
-  uint64_t frame;                  /* engine's device: the frame's number, for csm_retire; else 0 */
+  uint64_t frame;                  /* engine's device: the frame's number from 1 on, never falling; several calls may
+                                      share it; see csm_retire. Else 0 */
   double view[16];                 /* world to view: a rotation and a translation, mirrored or not */
   double projection[16];           /* view to clip */
   double light_direction[3];       /* of travel; any length but 0 */
   const csm_instance *instances;   /* casters and receivers; all of one struct_size; NULL if instance_count is 0 */
   uint32_t instance_count;
   uint32_t reserved;               /* 0 */
-  csm_draw_function draw;          /* must be NULL in this version */
+  csm_draw_function draw;          /* engine's device: called for each cascade; may be NULL */
   void *draw_user;
   void *command_buffer;            /* engine's device: its VkCommandBuffer or ID3D12GraphicsCommandList*; else NULL */
 } csm_frame;
 
 /*
- * Plans the frame and draws every cascade's map. On an own device the work is submitted, and runs on after the return.
- * Errors: NULL_POINTER, STRUCT_SIZE, NOT_FINITE, INVALID_VALUE (flags, command_buffer), INVALID_MATRIX (view or an
+ * Plans the frame and draws every cascade's map. On an own device the work is submitted, and runs on after the return;
+ * on an engine's it is recorded into command_buffer, uploads of new meshes included.
+ * Errors: NULL_POINTER, STRUCT_SIZE, NOT_FINITE, INVALID_VALUE (flags, command_buffer, frame), INVALID_MATRIX (view or an
  * instance's transform singular or not affine, projection singular), INVALID_CAMERA, INVALID_LIGHT, INVALID_HANDLE
- * (an instance's mesh), UNSUPPORTED (draw), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, LIMIT_EXCEEDED, DEVICE_LOST, DEVICE.
+ * (an instance's mesh), INVALID_STATE (frame_slots frames are not retired yet), UNSUPPORTED (draw on an own device),
+ * OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, LIMIT_EXCEEDED, DEVICE_LOST, DEVICE.
  * [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame *frame);
@@ -255,8 +308,10 @@ typedef struct csm_mask_info {
   const csm_frame *frame;   /* the camera that sees the mask, its command buffer, and, without camera_depth, the
                                instances that it sees; its light is not read */
   uint32_t width, height;   /* of the mask, in pixels: 1 to 16384, and what the device can do */
-  const void *camera_depth; /* engine's device: its depth image; NULL draws the frame's instances. NULL in this version */
-  const void *normals;      /* engine's device: world-space normals; NULL takes them from the depth. NULL in this version */
+  const void *camera_depth; /* engine's device: its depth image (csm_vulkan_image, csm_d3d12_image), of this size and
+                               drawn with this camera; NULL draws the frame's instances */
+  const void *normals;      /* engine's device: world-space unit normals, likewise; floats as they are, or normalised
+                               integers from 0 for -1 to the largest for 1; NULL takes them from the depth */
 } csm_mask_info;
 
 /*
@@ -285,6 +340,12 @@ typedef struct csm_binding {
   float constants[256];       /* the block of shaders/include/csm_constants.h */
   uint64_t native_maps;       /* VkImage, or ID3D12Resource*: the array of maps, readable by shaders */
   uint64_t native_mask;       /* likewise, the mask; 0 before the first csm_resolve_mask */
+  uint64_t native_maps_view;  /* Vulkan: VkImageView, 2D array, depth; D3D12: 0 */
+  uint64_t native_mask_view;  /* Vulkan: VkImageView, 2D; D3D12: 0 */
+  uint64_t native_sampler;    /* Vulkan: VkSampler for csm_compare: linear, clamped, less or equal; D3D12: 0, use a static
+                                 sampler like that */
+  uint64_t maps_descriptor;   /* in, D3D12: D3D12_CPU_DESCRIPTOR_HANDLE.ptr that gets a view of the maps; or 0 */
+  uint64_t mask_descriptor;   /* in, D3D12: likewise of the mask, if there is one */
 } csm_binding;
 
 /*
@@ -334,7 +395,8 @@ typedef struct csm_stats {
 } csm_stats;
 
 /*
- * Counts and times of the last csm_render_cascades and csm_resolve_mask. Waits for the own device.
+ * Counts and times of the last csm_render_cascades and csm_resolve_mask. Waits for an own device; on an engine's the GPU's
+ * times are those of the last retired frame that measured them.
  * Errors: NULL_POINTER, STRUCT_SIZE, DEVICE_LOST. [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_get_stats(csm_cascades *cascades, csm_stats *stats);

@@ -1,4 +1,14 @@
-/* csm_vulkan.h: an engine's own Vulkan device. The next version takes it; this one answers CSM_ERROR_UNSUPPORTED. */
+/*
+ * csm_vulkan.h: an engine's own Vulkan device, its images and its buffers.
+ *
+ * csm records into the engine's command buffer, which is open, belongs to queue_family, and is outside a render pass. It
+ * submits nothing and waits for nothing. A recording leaves changed: the graphics pipeline, descriptor set 0 of the
+ * graphics bind point, vertex buffers 0 and 1, the index buffer, viewport 0 and scissor 0; nothing else.
+ *
+ * The maps and the mask rest in VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, owned by queue_family, and each recording makes
+ * what it wrote visible to fragment and compute shaders that follow in the queue. An engine may sample them there, and
+ * leaves them in that layout.
+ */
 #ifndef CSM_VULKAN_H
 #define CSM_VULKAN_H
 
@@ -23,6 +33,29 @@ typedef struct csm_vulkan_device {
   uint32_t reserved2;                       /* 0 */
   const VkPhysicalDeviceFeatures *features; /* features that are enabled; NULL means none */
 } csm_vulkan_device;
+
+/*
+ * An image to sample: the camera's depth, or normals. It is readable by fragment shaders when the recording runs, and
+ * stays in its layout. The view is 2D, of one layer, and of the depth aspect for depth.
+ */
+typedef struct csm_vulkan_image {
+  uint32_t struct_size;
+  uint32_t layout; /* VkImageLayout: SHADER_READ_ONLY_OPTIMAL, DEPTH_STENCIL_READ_ONLY_OPTIMAL or GENERAL */
+  VkImageView view;
+  uint32_t format; /* VkFormat */
+  uint32_t width, height;
+  uint32_t reserved; /* 0 */
+} csm_vulkan_image;
+
+/* A mesh in the engine's own buffers, used with VK_BUFFER_USAGE_VERTEX_BUFFER_BIT and INDEX_BUFFER_BIT. */
+typedef struct csm_vulkan_mesh {
+  uint32_t struct_size;
+  uint32_t vertex_stride; /* bytes, a multiple of 4, at least 12 */
+  VkBuffer vertices;
+  uint64_t vertex_offset; /* of the first position: three floats */
+  VkBuffer indices;
+  uint64_t index_offset;
+} csm_vulkan_mesh;
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,114 @@
+#include "context.h"
+
+#include <stdio.h>
+
+enum { default_slots = 3, copied_stride = 12 };
+
+/* Opening reports its texts into a buffer, not through the log: the caller decides what becomes of them. */
+static csm_result open_backend(device *device, const csm_create_info *info) {
+  char text[sizeof device->context->error] = "";
+  csm_result result = loader_open(&device->library, info->backend, text, sizeof text);
+  if (!result) {
+    device->gpu.api = device->library.backend;
+    const gpu_open_info open = {
+        .host = &device->host,
+        .device_name = info->device,
+        .validate = info->flags & CSM_CREATE_VALIDATE,
+        .slots = device->slot_count,
+        .native = info->vulkan ? (const void *)info->vulkan : info->d3d12,
+        .error = text,
+        .error_size = sizeof text,
+    };
+    result = device->gpu.api->open(&open, &device->gpu.device);
+  }
+  if (result)
+    return context_fail(device->context, result, "%s", text[0] ? text : csm_result_name(result));
+  device->gpu.api->describe(device->gpu.device, &device->info);
+  return CSM_SUCCESS;
+}
+
+static void programs_free(device *device, uint32_t index) {
+  const pass_gpu gpu = device->gpu;
+  depth_programs *programs = &device->programs;
+  gpu_program **const made[] = {&programs->cascade[index], &programs->camera[0][index], &programs->camera[1][index]};
+  for (size_t i = 0; i < sizeof made / sizeof made[0]; ++i) {
+    gpu.api->program_destroy(gpu.device, *made[i]);
+    *made[i] = NULL;
+  }
+}
+
+csm_result device_programs(device *device, uint32_t stride, uint32_t *index) {
+  depth_programs *programs = &device->programs;
+  for (*index = 0; *index < programs->count; ++*index)
+    if (programs->strides[*index] == stride)
+      return CSM_SUCCESS;
+  if (*index == DEVICE_MAX_STRIDES)
+    return context_fail(device->context, CSM_ERROR_LIMIT_EXCEEDED, "meshes have more than %d vertex strides",
+                        DEVICE_MAX_STRIDES);
+  csm_result result = device_check(
+      device, cascade_depth_program(device->gpu, stride, &programs->cascade[*index]), "the cascade depth program");
+  for (int reversed = 0; reversed < 2 && !result; ++reversed)
+    result = device_check(device,
+                          camera_depth_program(device->gpu, reversed, stride, &programs->camera[reversed][*index]),
+                          "a camera depth program");
+  if (result) {
+    programs_free(device, *index);
+    return result;
+  }
+  programs->strides[programs->count++] = stride;
+  return CSM_SUCCESS;
+}
+
+static csm_result make_programs(device *device) {
+  uint32_t first;
+  csm_result result = device_programs(device, copied_stride, &first);
+  for (uint32_t filter = 0; filter < DEVICE_FILTERS; ++filter)
+    for (int normals = 0; normals < 2 && !result; ++normals)
+      result = device_check(device, mask_program(device->gpu, filter, normals, &device->mask_programs[filter][normals]),
+                            "a mask program");
+  return result;
+}
+
+csm_result device_open(csm_context *context, const csm_create_info *info, device **out) {
+  *out = NULL;
+  device *fresh = context_allocate(context, sizeof *fresh);
+  if (!fresh)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  fresh->context = context;
+  fresh->host = (gpu_host){
+      .user = context->user, .allocate = context->allocate, .release = context->release, .log = context->log};
+  fresh->own = !info->vulkan && !info->d3d12;
+  fresh->memory_limit = info->memory_limit;
+  fresh->slot_count = info->frame_slots ? info->frame_slots : default_slots;
+  csm_result result = open_backend(fresh, info);
+  if (!result)
+    result = make_programs(fresh);
+  if (result) {
+    device_close(fresh);
+    return result;
+  }
+  *out = fresh;
+  return CSM_SUCCESS;
+}
+
+static void destroy_objects(device *device) {
+  const pass_gpu gpu = device->gpu;
+  for (uint32_t slot = 0; slot < device->slot_count && device->own; ++slot)
+    gpu.api->wait(gpu.device, slot);
+  device->done = UINT64_MAX;
+  retire_collect(device);
+  geometry_destroy(device);
+  recording_destroy(device);
+  for (uint32_t i = 0; i < device->programs.count; ++i)
+    programs_free(device, i);
+  for (int i = 0; i < DEVICE_FILTERS * 2; ++i)
+    gpu.api->program_destroy(gpu.device, device->mask_programs[i / 2][i % 2]);
+  gpu.api->close(gpu.device);
+}
+
+void device_close(device *device) {
+  if (device->gpu.device)
+    destroy_objects(device);
+  loader_close(&device->library);
+  context_release(device->context, device);
+}

@@ -1,0 +1,103 @@
+#include "cascades.h"
+
+static void inputs_free(device *device, mask_input *input) {
+  while (input) {
+    mask_input *next = input->next;
+    device->gpu.api->bindings_destroy(device->gpu.device, input->bindings);
+    context_release(device->context, input);
+    input = next;
+  }
+}
+
+void mask_free(device *device, retired *self) {
+  const pass_gpu gpu = device->gpu;
+  cascade_mask *mask = (cascade_mask *)self;
+  for (int normals = 0; normals < 2; ++normals)
+    inputs_free(device, mask->inputs[normals]);
+  gpu.api->target_destroy(gpu.device, mask->depth_target);
+  gpu.api->target_destroy(gpu.device, mask->mask_target);
+  device_image_free(device, mask->depth);
+  device_image_free(device, mask->mask);
+  context_release(device->context, mask);
+}
+
+void mask_drop(csm_cascades *cascades, device *device) {
+  if (cascades->mask)
+    retire(device, &cascades->mask->retired, mask_free);
+  cascades->mask = NULL;
+}
+
+/* An image of the mask's size, and a target on it; neither is left if one fails. */
+static csm_result make_image(device *device, const cascade_mask *mask, const char *name, gpu_format format,
+                             gpu_image **image, gpu_target **target) {
+  const gpu_image_info info = {
+      .name = name,
+      .format = format,
+      .usage = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED | GPU_IMAGE_COPY_SOURCE,
+      .width = mask->width,
+      .height = mask->height,
+      .layers = 1,
+  };
+  csm_result result = device_image(device, &info, image);
+  if (result)
+    return result;
+  const bool depth = format == GPU_FORMAT_D32_FLOAT;
+  const gpu_target_info on = {.name = name, .depth = depth ? *image : NULL, .color = depth ? NULL : *image};
+  result = device_check(device, device->gpu.api->target_create(device->gpu.device, &on, target), name);
+  if (result) {
+    device_image_free(device, *image);
+    *image = NULL;
+  }
+  return result;
+}
+
+static csm_result make_depth(device *device, cascade_mask *mask) {
+  return make_image(device, mask, "camera depth", GPU_FORMAT_D32_FLOAT, &mask->depth, &mask->depth_target);
+}
+
+csm_result cascades_mask(csm_cascades *cascades, uint32_t width, uint32_t height, bool depth, cascade_mask **out) {
+  device *device = cascades->context->device;
+  *out = cascades->mask;
+  if (*out && (*out)->width == width && (*out)->height == height)
+    return depth && !(*out)->depth ? make_depth(device, *out) : CSM_SUCCESS;
+  cascade_mask *mask = context_allocate(cascades->context, sizeof *mask);
+  if (!mask)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  mask->width = width;
+  mask->height = height;
+  csm_result result = make_image(device, mask, "mask", GPU_FORMAT_R8_UNORM, &mask->mask, &mask->mask_target);
+  if (!result && depth)
+    result = make_depth(device, mask);
+  if (result) {
+    mask_free(device, &mask->retired);
+    return result;
+  }
+  mask_drop(cascades, device);
+  *out = cascades->mask = mask;
+  return CSM_SUCCESS;
+}
+
+csm_result mask_input_find(csm_cascades *cascades, cascade_mask *mask, const gpu_bindings_info *reads, bool normals,
+                           mask_input **out) {
+  device *device = cascades->context->device;
+  const pass_gpu gpu = device->gpu;
+  for (mask_input *input = mask->inputs[normals]; input; input = input->next)
+    if (input->serial <= device->done) {
+      gpu.api->bindings_write(gpu.device, input->bindings, reads);
+      *out = input;
+      return CSM_SUCCESS;
+    }
+  mask_input *input = context_allocate(cascades->context, sizeof *input);
+  if (!input)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  const csm_result result =
+      device_check(device, gpu.api->bindings_create(gpu.device, reads, &input->bindings), "the mask's bindings");
+  if (result) {
+    context_release(cascades->context, input);
+    return result;
+  }
+  input->next = mask->inputs[normals];
+  mask->inputs[normals] = input;
+  *out = input;
+  return CSM_SUCCESS;
+}

@@ -1,0 +1,282 @@
+#include "context.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- handles ---- */
+
+uint32_t meshes_find(const mesh_table *meshes, csm_mesh mesh) {
+  const uint32_t slot = (uint32_t)mesh - 1;
+  return slot < meshes->count && meshes->slots[slot].generation == mesh >> 32 ? slot : UINT32_MAX;
+}
+
+static csm_mesh handle(const mesh_table *meshes, uint32_t index) {
+  return (uint64_t)meshes->slots[index].generation << 32 | (index + 1);
+}
+
+static bool live(const mesh_slot *slot) {
+  return slot->generation % 2;
+}
+
+static csm_result grow(csm_context *context) {
+  mesh_table *meshes = &context->meshes;
+  const uint32_t capacity = meshes->capacity ? meshes->capacity * 2 : 64;
+  csm_result result = geometry_reserve(context->device, capacity);
+  mesh_slot *slots = result ? NULL : context_allocate(context, capacity * sizeof *slots);
+  plan_bounds *bounds = slots ? context_allocate(context, capacity * sizeof *bounds) : NULL;
+  if (!bounds) {
+    context_release(context, slots);
+    return CSM_ERROR_OUT_OF_MEMORY;
+  }
+  if (meshes->count) {
+    memcpy(slots, meshes->slots, meshes->count * sizeof *slots);
+    memcpy(bounds, meshes->bounds, meshes->count * sizeof *bounds);
+  }
+  context_release(context, meshes->slots);
+  context_release(context, meshes->bounds);
+  meshes->slots = slots;
+  meshes->bounds = bounds;
+  meshes->capacity = capacity;
+  return CSM_SUCCESS;
+}
+
+/* Names a free slot without taking it, so that what may still fail changes nothing. */
+static csm_result slot_find(csm_context *context, uint32_t *index) {
+  mesh_table *meshes = &context->meshes;
+  *index = meshes->first_free ? meshes->first_free - 1 : meshes->count;
+  return *index < meshes->capacity ? CSM_SUCCESS : grow(context);
+}
+
+static mesh_slot *slot_take(mesh_table *meshes, uint32_t index) {
+  mesh_slot *slot = &meshes->slots[index];
+  if (meshes->first_free)
+    meshes->first_free = slot->next_free;
+  else
+    ++meshes->count;
+  ++slot->generation;
+  return slot;
+}
+
+/* ---- checks ---- */
+
+static csm_result copied_bounds(csm_context *context, const csm_mesh_info *info, float low[3], float high[3]) {
+  for (int axis = 0; axis < 3; ++axis) {
+    low[axis] = INFINITY;
+    high[axis] = -INFINITY;
+  }
+  const char *next = info->positions;
+  for (uint32_t i = 0; i < info->vertex_count; ++i, next += info->position_stride) {
+    float p[3];
+    memcpy(p, next, sizeof p);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!isfinite(p[axis]))
+        return context_fail(context, CSM_ERROR_NOT_FINITE, "position %u of the mesh is not finite", i);
+      low[axis] = fminf(low[axis], p[axis]);
+      high[axis] = fmaxf(high[axis], p[axis]);
+    }
+  }
+  return CSM_SUCCESS;
+}
+
+static csm_result given_bounds(csm_context *context, const csm_mesh_info *info, float low[3], float high[3]) {
+  for (int axis = 0; axis < 3; ++axis) {
+    low[axis] = info->bounds_min[axis];
+    high[axis] = info->bounds_max[axis];
+    if (!isfinite(low[axis]) || !isfinite(high[axis]))
+      return context_fail(context, CSM_ERROR_NOT_FINITE, "the mesh's bounds are not finite");
+    if (low[axis] > high[axis])
+      return context_fail(context, CSM_ERROR_INVALID_VALUE, "the mesh's bounds_min is above its bounds_max");
+  }
+  return CSM_SUCCESS;
+}
+
+static csm_result check_indices(csm_context *context, const csm_mesh_info *info) {
+  for (uint32_t i = 0; i < info->index_count; ++i) {
+    const uint32_t index =
+        info->index_size == 2 ? ((const uint16_t *)info->indices)[i] : ((const uint32_t *)info->indices)[i];
+    if (index >= info->vertex_count)
+      return context_fail(context, CSM_ERROR_INVALID_INDEX, "index %u of the mesh is %u, of %u vertices", i, index,
+                          info->vertex_count);
+  }
+  return CSM_SUCCESS;
+}
+
+static csm_result check_engines(const device *device, const csm_mesh_info *info) {
+  csm_context *context = device->context;
+  const char *api = info->vulkan ? "vulkan" : "d3d12";
+  if ((info->vulkan && info->d3d12) || info->positions || info->indices)
+    return context_fail(context, CSM_ERROR_INVALID_VALUE,
+                        "the mesh is given twice: as positions and indices, or in buffers of one API");
+  if (device->own || strcmp(device->gpu.api->name, api))
+    return context_fail(context, CSM_ERROR_UNSUPPORTED, "the mesh lies in %s buffers, and the context's device is %s",
+                        api, device->own ? "its own" : device->gpu.api->name);
+  return CSM_SUCCESS;
+}
+
+static csm_result check_shape(csm_context *context, csm_mesh_info *info) {
+  if (!info->position_stride)
+    info->position_stride = 3 * sizeof(float);
+  const char *wrong = info->flags                                               ? "flags"
+                      : info->position_stride % 4 || info->position_stride < 12 ? "position_stride"
+                      : !info->vertex_count || info->vertex_count > INT32_MAX   ? "vertex_count"
+                      : !info->index_count || info->index_count % 3             ? "index_count"
+                      : info->index_size != 2 && info->index_size != 4          ? "index_size"
+                      : (uintptr_t)info->indices % info->index_size             ? "indices' alignment"
+                                                                                : NULL;
+  return wrong ? context_fail(context, CSM_ERROR_INVALID_VALUE, "the mesh's %s is not allowed", wrong) : CSM_SUCCESS;
+}
+
+static csm_result check_mesh(const device *device, csm_mesh_info *info, plan_bounds *bounds) {
+  csm_context *context = device->context;
+  const bool engines = info->vulkan || info->d3d12;
+  float low[3], high[3];
+  if (!engines && (!info->positions || !info->indices))
+    return context_fail(context, CSM_ERROR_NULL_POINTER, "the mesh's %s is NULL",
+                        info->positions ? "indices" : "positions");
+  csm_result result = engines ? check_engines(device, info) : CSM_SUCCESS;
+  if (!result)
+    result = check_shape(context, info);
+  if (!result)
+    result = engines ? given_bounds(context, info, low, high) : copied_bounds(context, info, low, high);
+  if (!result && !engines)
+    result = check_indices(context, info);
+  for (int axis = 0; axis < 3 && !result; ++axis) {
+    bounds->center[axis] = ((double)low[axis] + high[axis]) / 2;
+    bounds->extent[axis] = ((double)high[axis] - low[axis]) / 2;
+  }
+  return result;
+}
+
+/* ---- copies in host memory ---- */
+
+static csm_result keep(csm_context *context, const csm_mesh_info *info, void **out) {
+  *out = NULL;
+  if (!context->keep_geometry || !info->positions)
+    return CSM_SUCCESS;
+  const size_t position_bytes = (size_t)info->vertex_count * 3 * sizeof(float);
+  const size_t index_bytes = (size_t)info->index_count * info->index_size;
+  char *copy = context_allocate(context, position_bytes + index_bytes);
+  if (!copy)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  const char *next = info->positions;
+  for (uint32_t i = 0; i < info->vertex_count; ++i, next += info->position_stride)
+    memcpy(copy + (size_t)i * 12, next, 12);
+  memcpy(copy + position_bytes, info->indices, index_bytes);
+  *out = copy;
+  return CSM_SUCCESS;
+}
+
+/* What is kept of a mesh's description: its shape, and its data if there is a copy. */
+static csm_mesh_info kept_info(const csm_mesh_info *info, const void *copy) {
+  return (csm_mesh_info){.struct_size = sizeof *info,
+                         .positions = copy,
+                         .position_stride = 3 * sizeof(float),
+                         .vertex_count = info->vertex_count,
+                         .indices = copy ? (const char *)copy + (size_t)info->vertex_count * 12 : NULL,
+                         .index_count = info->index_count,
+                         .index_size = info->index_size};
+}
+
+csm_result CSM_CALL csm_mesh_create(csm_context *context, const csm_mesh_info *info, csm_mesh *mesh) {
+  if (mesh)
+    *mesh = 0;
+  if (!context)
+    return CSM_ERROR_NULL_POINTER;
+  csm_mesh_info own;
+  plan_bounds bounds;
+  uint32_t index;
+  void *copy = NULL;
+  csm_result result = context_usable(context);
+  if (!result)
+    result = context_check_struct(context, struct_read(&own, sizeof own, info), "csm_mesh_info");
+  if (!result && !mesh)
+    result = context_fail(context, CSM_ERROR_NULL_POINTER, "mesh is NULL");
+  if (!result)
+    result = check_mesh(context->device, &own, &bounds);
+  if (!result)
+    result = slot_find(context, &index);
+  if (!result)
+    result = keep(context, &own, &copy);
+  if (!result)
+    result = geometry_add(context->device, index, &own);
+  if (result) {
+    context_release(context, copy);
+    return result;
+  }
+  mesh_slot *slot = slot_take(&context->meshes, index);
+  slot->copy = copy;
+  slot->info = kept_info(&own, copy);
+  context->meshes.bounds[index] = bounds;
+  *mesh = handle(&context->meshes, index);
+  return CSM_SUCCESS;
+}
+
+csm_result CSM_CALL csm_mesh_destroy(csm_context *context, csm_mesh mesh) {
+  if (!context)
+    return CSM_ERROR_NULL_POINTER;
+  const csm_result result = context_usable(context);
+  if (result)
+    return result;
+  mesh_table *meshes = &context->meshes;
+  const uint32_t index = meshes_find(meshes, mesh);
+  if (index == UINT32_MAX)
+    return context_fail(context, CSM_ERROR_INVALID_HANDLE, "mesh %llx does not exist", (unsigned long long)mesh);
+  geometry_remove(context->device, index);
+  mesh_slot *slot = &meshes->slots[index];
+  context_release(context, slot->copy);
+  slot->copy = NULL;
+  ++slot->generation;
+  slot->next_free = meshes->first_free;
+  meshes->first_free = index + 1;
+  return CSM_SUCCESS;
+}
+
+/* ---- moving to another device ---- */
+
+static csm_result supply(csm_context *context, uint32_t index, csm_mesh_info *out) {
+  const csm_mesh mesh = handle(&context->meshes, index);
+  const csm_mesh_info *kept = &context->meshes.slots[index].info;
+  if (!context->supply)
+    return context_fail(context, CSM_ERROR_INVALID_STATE,
+                        "mesh %llx has no copy (CSM_CREATE_KEEP_GEOMETRY) and there is no supply callback",
+                        (unsigned long long)mesh);
+  *out = (csm_mesh_info){.struct_size = sizeof *out};
+  csm_result result = context->supply(context->user, mesh, out);
+  if (!result)
+    result = struct_check(sizeof *out, out);
+  if (result)
+    return context_fail(context, result, "mesh %llx was not supplied: %s", (unsigned long long)mesh,
+                        csm_result_name(result));
+  if (out->vertex_count != kept->vertex_count || out->index_count != kept->index_count ||
+      out->index_size != kept->index_size)
+    return context_fail(context, CSM_ERROR_INVALID_VALUE, "mesh %llx was supplied with another shape",
+                        (unsigned long long)mesh);
+  return CSM_SUCCESS;
+}
+
+csm_result meshes_move(csm_context *context, device *to) {
+  const mesh_table *meshes = &context->meshes;
+  csm_result result = geometry_reserve(to, meshes->capacity);
+  for (uint32_t i = 0; i < meshes->count && !result; ++i) {
+    if (!live(&meshes->slots[i]))
+      continue;
+    csm_mesh_info info = meshes->slots[i].info;
+    plan_bounds bounds;
+    if (!info.positions) {
+      result = supply(context, i, &info);
+      if (!result)
+        result = check_mesh(to, &info, &bounds);
+    }
+    if (!result)
+      result = geometry_add(to, i, &info);
+  }
+  return result;
+}
+
+void meshes_destroy(csm_context *context) {
+  mesh_table *meshes = &context->meshes;
+  for (uint32_t i = 0; i < meshes->count; ++i)
+    context_release(context, meshes->slots[i].copy);
+  context_release(context, meshes->slots);
+  context_release(context, meshes->bounds);
+}
