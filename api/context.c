@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { default_slots = 3 };
-
 static void *CSM_CALL default_allocate(void *user, size_t size, size_t alignment) {
   (void)user;
   return aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
@@ -22,94 +20,67 @@ static void CSM_CALL default_log(void *user, int32_t level, const char *message)
   (void)message;
 }
 
-/* Says why a creation failed while there is no context that could keep it. */
+gpu_host default_host(void) {
+  return (gpu_host){.allocate = default_allocate, .release = default_release, .log = default_log};
+}
+
+/* Leaves the text of a creation that failed where the caller finds it. */
 static csm_result refuse(const csm_create_info *info, csm_result result, const char *text) {
   if (info->error && info->error_size)
     snprintf(info->error, info->error_size, "%s", text);
-  if (info->log)
-    info->log(info->user, CSM_LOG_ERROR, text);
   return result;
 }
 
-static csm_result check_create_info(const csm_create_info *info) {
-  if (!info->backend)
-    return refuse(info, CSM_ERROR_NULL_POINTER, "csm_create_info: backend is NULL");
-  if (info->flags & ~(uint32_t)CSM_CREATE_VALIDATE)
-    return refuse(info, CSM_ERROR_INVALID_VALUE, "csm_create_info: unknown flags");
-  if (info->version >> 22 != CSM_VERSION_MAJOR)
-    return refuse(info, CSM_ERROR_INVALID_VALUE, "csm_create_info: version is not CSM_VERSION of this major version");
-  if (info->frame_slots > CONTEXT_MAX_SLOTS)
-    return refuse(info, CSM_ERROR_INVALID_VALUE, "csm_create_info: frame_slots is above 8");
-  if (!info->allocate != !info->release)
-    return refuse(info, CSM_ERROR_INVALID_VALUE, "csm_create_info: allocate and release come together or not at all");
-  if (info->vulkan || info->d3d12)
-    return refuse(info, CSM_ERROR_UNSUPPORTED, "csm_create_info: an engine's device is not taken in this version");
-  return CSM_SUCCESS;
+static csm_result check_info(const csm_create_info *info, const char **text) {
+  *text = !info->backend                             ? "csm_create_info: backend is NULL"
+          : info->version >> 22 != CSM_VERSION_MAJOR ? "csm_create_info: version is of another major version of csm"
+          : info->frame_slots > DEVICE_MAX_SLOTS     ? "csm_create_info: frame_slots is above 8"
+          : !info->allocate != !info->release        ? "csm_create_info: allocate and release come together"
+          : info->vulkan && info->d3d12              ? "csm_create_info: both vulkan and d3d12 are given"
+          : info->flags & ~(uint32_t)(CSM_CREATE_VALIDATE | CSM_CREATE_KEEP_GEOMETRY) ? "csm_create_info: unknown flags"
+                                                                                      : NULL;
+  return !*text ? CSM_SUCCESS : info->backend ? CSM_ERROR_INVALID_VALUE : CSM_ERROR_NULL_POINTER;
 }
 
-static csm_result open_device(csm_context *context, const csm_create_info *info) {
-  csm_result result = loader_open(&context->library, info->backend, context->error, sizeof context->error);
-  if (result)
-    return result;
-  context->gpu.api = context->library.backend;
-  const gpu_open_info open = {
-      .host = &context->host,
-      .device_name = info->device,
-      .validate = info->flags & CSM_CREATE_VALIDATE,
-      .slots = context->slot_count,
-      .error = context->error,
-      .error_size = sizeof context->error,
-  };
-  result = context->gpu.api->open(&open, &context->gpu.device);
-  if (result)
-    return result;
-  context->gpu.api->describe(context->gpu.device, &context->info);
-  return CSM_SUCCESS;
-}
-
-static csm_result make_programs(csm_context *context) {
-  csm_result result = context_check(context, cascade_depth_program(context->gpu, &context->cascade_program),
-                                    "the cascade depth program");
-  for (int reversed = 0; reversed < 2 && !result; ++reversed)
-    result = context_check(context, camera_depth_program(context->gpu, reversed, &context->camera_programs[reversed]),
-                           "a camera depth program");
-  for (uint32_t filter = 0; filter < CONTEXT_FILTERS && !result; ++filter)
-    result =
-        context_check(context, mask_program(context->gpu, filter, &context->mask_programs[filter]), "a mask program");
-  return result;
+/* A context without a device. */
+static csm_context *allocate_context(const csm_create_info *info) {
+  const csm_allocate_function allocate = info->allocate ? info->allocate : default_allocate;
+  csm_context *context = allocate(info->user, sizeof *context, 64);
+  if (!context)
+    return NULL;
+  memset(context, 0, sizeof *context);
+  context->allocate = allocate;
+  context->release = info->allocate ? info->release : default_release;
+  context->log = info->log ? info->log : default_log;
+  context->supply = info->supply;
+  context->budget = info->budget;
+  context->user = info->user;
+  context->keep_geometry = info->flags & CSM_CREATE_KEEP_GEOMETRY;
+  return context;
 }
 
 csm_result CSM_CALL csm_create(const csm_create_info *in, csm_context **out) {
   if (out)
     *out = NULL;
   csm_create_info info;
+  const char *text;
   csm_result result = struct_read(&info, sizeof info, in);
   if (result)
     return result;
   if (!out)
     return refuse(&info, CSM_ERROR_NULL_POINTER, "context is NULL");
-  result = check_create_info(&info);
-  if (result)
-    return result;
-
-  const csm_allocate_function allocate = info.allocate ? info.allocate : default_allocate;
-  csm_context *context = allocate(info.user, sizeof *context, 64);
+  result = check_info(&info, &text);
+  if (result) {
+    if (info.log)
+      info.log(info.user, CSM_LOG_ERROR, text);
+    return refuse(&info, result, text);
+  }
+  csm_context *context = allocate_context(&info);
   if (!context)
     return refuse(&info, CSM_ERROR_OUT_OF_MEMORY, "out of memory");
-  memset(context, 0, sizeof *context);
-  context->allocate = allocate;
-  context->release = info.allocate ? info.release : default_release;
-  context->log = info.log ? info.log : default_log;
-  context->user = info.user;
-  context->host = (gpu_host){
-      .user = context->user, .allocate = context->allocate, .release = context->release, .log = context->log};
-  context->memory_limit = info.memory_limit;
-  context->slot_count = info.frame_slots ? info.frame_slots : default_slots;
-  result = open_device(context, &info);
-  if (!result)
-    result = make_programs(context);
+  result = device_open(context, &info, &context->device);
   if (result) {
-    refuse(&info, result, context->error[0] ? context->error : csm_result_name(result));
+    refuse(&info, result, context->error);
     csm_destroy(context);
     return result;
   }
@@ -117,91 +88,108 @@ csm_result CSM_CALL csm_create(const csm_create_info *in, csm_context **out) {
   return CSM_SUCCESS;
 }
 
-static void close_device(csm_context *context) {
-  const pass_gpu gpu = context->gpu;
-  for (uint32_t slot = 0; slot < context->slot_count; ++slot)
-    gpu.api->wait(gpu.device, slot);
-  while (context->cascades)
-    cascades_destroy_now(context->cascades);
-  retire_collect(context, UINT64_MAX);
-  geometry_destroy(context);
-  recording_destroy(context);
-  gpu.api->program_destroy(gpu.device, context->cascade_program);
-  for (int i = 0; i < 2; ++i)
-    gpu.api->program_destroy(gpu.device, context->camera_programs[i]);
-  for (int i = 0; i < CONTEXT_FILTERS; ++i)
-    gpu.api->program_destroy(gpu.device, context->mask_programs[i]);
-  gpu.api->close(gpu.device);
+static void close_former(csm_context *context, uint64_t frame) {
+  device **link = &context->former;
+  while (*link) {
+    device *former = *link;
+    if (former->serial <= frame) {
+      *link = former->next;
+      device_close(former);
+    } else {
+      link = &former->next;
+    }
+  }
 }
 
 void CSM_CALL csm_destroy(csm_context *context) {
   if (!context)
     return;
-  if (context->gpu.device)
-    close_device(context);
-  loader_close(&context->library);
+  if (context->device) {
+    recording_finish(context->device);
+    while (context->cascades)
+      cascades_destroy_now(context->cascades);
+    device_close(context->device);
+  }
+  close_former(context, UINT64_MAX);
+  meshes_destroy(context);
   context_release(context, context->scratch);
   context_release(context, context);
 }
 
-csm_result CSM_CALL csm_switch_backend(csm_context *context, const csm_create_info *info) {
-  (void)info;
-  return context ? context_fail(context, CSM_ERROR_UNSUPPORTED, "switching backends is not in this version")
-                 : CSM_ERROR_NULL_POINTER;
-}
-
 csm_result CSM_CALL csm_retire(csm_context *context, uint64_t frame) {
-  (void)frame;
-  return context ? context_fail(context, CSM_ERROR_UNSUPPORTED, "frames are retired on an engine's device only")
-                 : CSM_ERROR_NULL_POINTER;
-}
-
-/* ---- what is installed ---- */
-
-static void copy_text(char *to, size_t size, const char *from) {
-  snprintf(to, size, "%s", from ? from : "");
-}
-
-static void describe_backend(const char *name, csm_backend_info *out) {
-  const gpu_host host = {.allocate = default_allocate, .release = default_release, .log = default_log};
-  const gpu_open_info open = {.host = &host, .slots = 1, .error = out->error, .error_size = sizeof out->error};
-  gpu_device_info device = {0};
-  loader_library library = {0};
-  copy_text(out->name, sizeof out->name, name);
-  out->result = loader_open(&library, name, out->error, sizeof out->error);
-  copy_text(out->path, sizeof out->path, library.path);
-  if (!out->result)
-    out->result = library.backend->query(&open, &device);
-  if (!out->result) {
-    out->device_type = device.type;
-    out->max_resolution = device.max_image_size;
-    copy_text(out->device, sizeof out->device, device.name);
-    copy_text(out->driver, sizeof out->driver, device.driver);
-    copy_text(out->required, sizeof out->required, device.required);
-    copy_text(out->optional, sizeof out->optional, device.optional);
-  }
-  loader_close(&library);
-}
-
-csm_result CSM_CALL csm_query_backends(uint32_t *count, csm_backend_info *infos) {
-  static const char *const names[] = {"vulkan", "d3d12"};
-  const uint32_t known = sizeof names / sizeof names[0];
-  if (!count)
+  if (!context)
     return CSM_ERROR_NULL_POINTER;
-  const uint32_t room = infos ? *count : 0;
-  uint32_t stride = 0;
-  for (uint32_t i = 0; i < known && i < room; ++i) {
-    char *element = (char *)infos + (size_t)i * stride;
-    if (i)
-      memcpy(element, &stride, sizeof stride);
-    const csm_result result = i ? CSM_SUCCESS : struct_check(sizeof *infos, element);
-    if (result)
-      return result;
-    memcpy(&stride, element, sizeof stride);
-    csm_backend_info info = {.struct_size = sizeof info};
-    describe_backend(names[i], &info);
-    struct_write(element, sizeof info, &info);
+  const bool switched = context->former;
+  close_former(context, frame);
+  if (context->device->own && switched)
+    return CSM_SUCCESS;
+  if (context->device->own)
+    return context_fail(context, CSM_ERROR_UNSUPPORTED, "frames are retired on an engine's device only");
+  return recording_retire(context->device, frame);
+}
+
+/* ---- switching ---- */
+
+/* Maps on the new device for all cascades, in the order of the context's list. */
+static csm_result make_all_maps(csm_context *context, device *fresh, cascade_maps ***out) {
+  uint32_t count = 0;
+  for (const csm_cascades *c = context->cascades; c; c = c->next)
+    ++count;
+  cascade_maps **maps = context_allocate(context, (count + 1) * sizeof *maps);
+  if (!maps)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  csm_result result = CSM_SUCCESS;
+  uint32_t made = 0;
+  for (const csm_cascades *c = context->cascades; c && !result; c = c->next) {
+    result = maps_create(fresh, &c->config, &maps[made]);
+    made += !result;
   }
-  *count = known;
+  if (result) {
+    while (made)
+      maps_free(fresh, &maps[--made]->retired);
+    context_release(context, maps);
+    return result;
+  }
+  *out = maps;
+  return CSM_SUCCESS;
+}
+
+/* From here on nothing can fail. */
+static void change_device(csm_context *context, device *fresh, cascade_maps *const *maps) {
+  device *old = context->device;
+  for (csm_cascades *c = context->cascades; c; c = c->next)
+    cascades_move(c, old, *maps++);
+  context->device = fresh;
+  if (old->own || old->lost) {
+    device_close(old);
+  } else {
+    old->next = context->former;
+    context->former = old;
+  }
+}
+
+csm_result CSM_CALL csm_switch_backend(csm_context *context, const csm_create_info *in) {
+  if (!context)
+    return CSM_ERROR_NULL_POINTER;
+  csm_create_info info;
+  const char *text;
+  device *fresh;
+  cascade_maps **maps;
+  csm_result result = context_check_struct(context, struct_read(&info, sizeof info, in), "csm_create_info");
+  if (!result && (result = check_info(&info, &text)))
+    context_fail(context, result, "%s", text);
+  if (!result)
+    result = device_open(context, &info, &fresh);
+  if (result)
+    return refuse(&info, result, context->error);
+  result = meshes_move(context, fresh);
+  if (!result)
+    result = make_all_maps(context, fresh, &maps);
+  if (result) {
+    device_close(fresh);
+    return refuse(&info, result, context->error);
+  }
+  change_device(context, fresh, maps);
+  context_release(context, maps);
   return CSM_SUCCESS;
 }

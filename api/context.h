@@ -11,7 +11,7 @@
 typedef struct mesh_slot {
   uint32_t generation; /* of the handle; even: free */
   uint32_t next_free;
-  csm_mesh_info info;  /* its shape; positions and indices point into `copy`, or are NULL */
+  csm_mesh_info info; /* its shape; positions and indices point into `copy`, or are NULL */
   void *copy;
 } mesh_slot;
 
@@ -76,9 +76,9 @@ csm_result scene_read(csm_context *context, const csm_frame *frame, void *memory
 /* Reads and checks a frame's struct but for its instances. */
 csm_result frame_read(csm_context *context, const csm_frame *in, csm_frame *out);
 
-/* ---- query.c ---- */
+/* ---- context.c ---- */
 
-/* Checks what of a csm_create_info does not need a device; *text says what is wrong. */
-csm_result create_info_check(const csm_create_info *info, const char **text);
+/* malloc, and no log: for what is done without a context. */
+gpu_host default_host(void);
 
 #endif

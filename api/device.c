@@ -45,12 +45,12 @@ csm_result device_programs(device *device, uint32_t stride, uint32_t *index) {
   if (*index == DEVICE_MAX_STRIDES)
     return context_fail(device->context, CSM_ERROR_LIMIT_EXCEEDED, "meshes have more than %d vertex strides",
                         DEVICE_MAX_STRIDES);
-  csm_result result = device_check(
-      device, cascade_depth_program(device->gpu, stride, &programs->cascade[*index]), "the cascade depth program");
+  csm_result result = device_check(device, cascade_depth_program(device->gpu, stride, &programs->cascade[*index]),
+                                   "the cascade depth program");
   for (int reversed = 0; reversed < 2 && !result; ++reversed)
-    result = device_check(device,
-                          camera_depth_program(device->gpu, reversed, stride, &programs->camera[reversed][*index]),
-                          "a camera depth program");
+    result =
+        device_check(device, camera_depth_program(device->gpu, reversed, stride, &programs->camera[reversed][*index]),
+                     "a camera depth program");
   if (result) {
     programs_free(device, *index);
     return result;

@@ -1,7 +1,7 @@
 /*
  * device.h: one opened backend with everything that lies on it. A context has one, and for a while those that it was
- * switched away from. One file for each thing that a device owns: device.c (itself and its programs), memory.c, retire.c,
- * recording.c (slots and the ring, which is memory that changes per frame), geometry.c (meshes in pages).
+ * switched away from. One file for each thing that a device owns: device.c (itself and its programs), memory.c,
+ * retire.c, recording.c (slots and the ring, which is memory that changes per frame), geometry.c (meshes in pages).
  */
 #ifndef DEVICE_H
 #define DEVICE_H

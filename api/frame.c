@@ -6,8 +6,7 @@ enum { ring_alignment = 256 };
 static csm_result make_plan(csm_cascades *cascades, const csm_frame *frame, planned *out) {
   csm_context *context = cascades->context;
   const size_t scene = scene_size(frame->instance_count);
-  const size_t lists =
-      plan_memory_size(frame->instance_count, context->meshes.count, cascades->config.cascade_count);
+  const size_t lists = plan_memory_size(frame->instance_count, context->meshes.count, cascades->config.cascade_count);
   csm_result result = context_grow(context, &out->memory, &out->size, scene + lists);
   if (!result)
     result = scene_read(context, frame, out->memory, &out->scene);
@@ -38,8 +37,8 @@ static void count_casters(csm_cascades *cascades, const plan_frame *plan) {
     stats->casters_culled = list->culled;
     stats->triangles_drawn = 0;
     for (uint32_t d = 0; d < list->draw_count; ++d)
-      stats->triangles_drawn +=
-          (uint64_t)cascades->context->device->geometry.meshes[list->draws[d].mesh].index_count / 3 * list->draws[d].count;
+      stats->triangles_drawn += (uint64_t)cascades->context->device->geometry.meshes[list->draws[d].mesh].index_count /
+                                3 * list->draws[d].count;
   }
 }
 
@@ -89,8 +88,8 @@ static void record(csm_cascades *cascades, const csm_frame *frame, const planned
   for (uint32_t i = 0; i < planned->frame.cascade_count; ++i)
     pass.matrices_offsets[i] = ring->offset + offsets[i];
   if (frame->flags & CSM_FRAME_TIMESTAMPS)
-    pass.timestamps = recording_expect_timing(device, cascades, 2 + planned->frame.cascade_count, false,
-                                              &pass.first_timestamp);
+    pass.timestamps =
+        recording_expect_timing(device, cascades, 2 + planned->frame.cascade_count, false, &pass.first_timestamp);
   cascade_depth_record(device->gpu, &pass);
 }
 

@@ -48,8 +48,8 @@ static csm_result page_create(device *device, uint64_t size, geometry_page **out
   if (!whole)
     goto fail;
   page->size = size > page_smallest ? size : page_smallest;
-  result = device_buffer(
-      device, &(gpu_buffer_info){.name = "geometry", .kind = GPU_BUFFER_DEVICE, .size = page->size}, &page->buffer);
+  result = device_buffer(device, &(gpu_buffer_info){.name = "geometry", .kind = GPU_BUFFER_DEVICE, .size = page->size},
+                         &page->buffer);
   if (result)
     goto fail;
   *whole = (geometry_place){.page = page, .size = page->size};
@@ -258,8 +258,8 @@ static csm_result add_engines(device *device, const csm_mesh_info *info, geometr
   if (!place)
     return CSM_ERROR_OUT_OF_MEMORY;
   const void *native = info->vulkan ? (const void *)info->vulkan : info->d3d12;
-  csm_result result = device_check(
-      device, device->gpu.api->geometry_import(device->gpu.device, native, &place->engine), "an engine's mesh");
+  csm_result result = device_check(device, device->gpu.api->geometry_import(device->gpu.device, native, &place->engine),
+                                   "an engine's mesh");
   if (result) {
     context_release(device->context, place);
     return result;
@@ -281,10 +281,10 @@ static csm_result add_engines(device *device, const csm_mesh_info *info, geometr
 
 csm_result geometry_add(device *device, uint32_t slot, const csm_mesh_info *info) {
   geometry *geometry = &device->geometry;
-  pass_mesh mesh;
-  geometry_place *place;
-  const csm_result result = info->vulkan || info->d3d12 ? add_engines(device, info, &place, &mesh)
-                                                        : add_copied(device, info, &place, &mesh);
+  pass_mesh mesh = {0};
+  geometry_place *place = NULL;
+  const csm_result result =
+      info->vulkan || info->d3d12 ? add_engines(device, info, &place, &mesh) : add_copied(device, info, &place, &mesh);
   if (result)
     return result;
   mesh.index_count = info->index_count;

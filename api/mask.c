@@ -70,8 +70,8 @@ static csm_result import(device *device, const void *native, const char *name, g
   imported_image *imported = context_allocate(device->context, sizeof *imported);
   if (!imported)
     return CSM_ERROR_OUT_OF_MEMORY;
-  const csm_result result = device_check(
-      device, device->gpu.api->image_import(device->gpu.device, native, &imported->image, unorm), name);
+  const csm_result result =
+      device_check(device, device->gpu.api->image_import(device->gpu.device, native, &imported->image, unorm), name);
   if (result) {
     context_release(device->context, imported);
     return result;

@@ -11,9 +11,9 @@ static csm_result collect_timings(device *device, uint32_t index) {
     uint64_t stamps[GPU_MAX_TIMESTAMPS];
     if (!timing->cascades)
       continue;
-    result = device_check(
-        device, device->gpu.api->timestamps(device->gpu.device, index, timing->first, timing->count, stamps),
-        "reading timestamps");
+    result = device_check(device,
+                          device->gpu.api->timestamps(device->gpu.device, index, timing->first, timing->count, stamps),
+                          "reading timestamps");
     if (!result)
       cascades_take_timing(timing->cascades, timing, stamps);
   }

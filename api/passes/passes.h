@@ -39,7 +39,7 @@ typedef struct cascade_depth_pass {
   const pass_mesh *meshes;
   gpu_buffer *matrices; /* as plan_write_cascade_matrices writes them */
   uint64_t matrices_offsets[CSM_MAX_CASCADES];
-  pass_callback draw;   /* or NULL */
+  pass_callback draw; /* or NULL */
   void *draw_user;
   bool timestamps; /* from first_timestamp on: begin, cleared, each cascade drawn */
   uint32_t first_timestamp;

@@ -14,6 +14,22 @@ void plan_cascade_to_clip(double rows[3][4], const plan_frame *frame, uint32_t c
   }
 }
 
+void plan_cascade_volume(const plan_frame *frame, uint32_t cascade, double world_to_clip[16], double planes[5][4]) {
+  double rows[3][4];
+  plan_cascade_to_clip(rows, frame, cascade);
+  for (int column = 0; column < 4; ++column) {
+    for (int row = 0; row < 3; ++row)
+      world_to_clip[column * 4 + row] = rows[row][column];
+    world_to_clip[column * 4 + 3] = column == 3;
+    const double one = column == 3;
+    planes[0][column] = rows[0][column] + one;
+    planes[1][column] = one - rows[0][column];
+    planes[2][column] = rows[1][column] + one;
+    planes[3][column] = one - rows[1][column];
+    planes[4][column] = one - rows[2][column];
+  }
+}
+
 void plan_instance_to_clip(float out[12], const double rows[3][4], const plan_instance *instance) {
   const double *t = instance->transform;
   for (int row = 0; row < 3; ++row)
@@ -101,7 +117,7 @@ static double image_handedness(const plan_camera *camera) {
 }
 
 uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_camera *camera, uint32_t width,
-                                   uint32_t height) {
+                                   uint32_t height, bool unorm_normals) {
   double unproject[16], rotation[9];
   (void)plan_invert(unproject, camera->projection); /* plan_camera_make saw to it that it can be */
   plan_view_rotation_inverse(rotation, camera->view);
@@ -115,6 +131,7 @@ uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const pl
   }
   put(out, CSM_M_INVERSE + 3, unproject[3], unproject[7], unproject[11], unproject[15]);
   put(out, CSM_M_SIZE, width, height, 1.0 / width, 1.0 / height);
-  put(out, CSM_M_CLEAR, camera->reversed ? 0.0 : 1.0, image_handedness(camera), 0.0, 0.0);
+  put(out, CSM_M_CLEAR, camera->reversed ? 0.0 : 1.0, image_handedness(camera), unorm_normals ? 2.0 : 1.0,
+      unorm_normals ? -1.0 : 0.0);
   return CSM_M_COUNT * 4 * sizeof(float);
 }

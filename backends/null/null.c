@@ -12,6 +12,7 @@ enum { NAME_SIZE = 64, OFFSET_ALIGNMENT = 256 };
 
 struct gpu_device {
   gpu_host host;
+  bool engine;                /* any engine's device will do */
   const gpu_program *program; /* of the pass that is open */
   bool recording, in_pass, bound;
 };
@@ -120,20 +121,15 @@ static csm_result null_query(const gpu_open_info *info, gpu_device_info *out) {
 
 static csm_result null_open(const gpu_open_info *info, gpu_device **out) {
   *out = NULL;
-  const char *refusal = NULL;
-  if (info->native)
-    refusal = "the null backend opens no engine's device";
-  else if (info->device_name && !strstr("null", info->device_name))
-    refusal = "the null backend has one device, named null";
-  if (refusal) {
+  if (info->device_name && !strstr("null", info->device_name)) {
     if (info->error)
-      snprintf(info->error, info->error_size, "%s", refusal);
-    return info->native ? CSM_ERROR_UNSUPPORTED : CSM_ERROR_NO_DEVICE;
+      snprintf(info->error, info->error_size, "the null backend has one device, named null");
+    return CSM_ERROR_NO_DEVICE;
   }
   gpu_device *device = info->host->allocate(info->host->user, sizeof *device, 64);
   if (!device)
     return CSM_ERROR_OUT_OF_MEMORY;
-  *device = (gpu_device){.host = *info->host};
+  *device = (gpu_device){.host = *info->host, .engine = info->native};
   *out = device;
   return CSM_SUCCESS;
 }
@@ -189,8 +185,35 @@ static uint64_t null_image_bytes(const gpu_image *image) {
   return (uint64_t)image->info.width * image->info.height * image->info.layers * texel_bytes(image->info.format);
 }
 
-static uint64_t null_image_native(const gpu_image *image) {
-  return (uintptr_t)image;
+static void null_image_native(const gpu_device *device, const gpu_image *image, gpu_native_image *out) {
+  (void)device;
+  *out = (gpu_native_image){.image = (uintptr_t)image};
+}
+
+static void null_image_describe(gpu_device *device, const gpu_image *image, uint64_t descriptor) {
+  record(device, "image_describe %s %llu", image->name, (unsigned long long)descriptor);
+}
+
+static csm_result null_image_import(gpu_device *device, const void *native, gpu_image **out, bool *unorm) {
+  (void)native;
+  const gpu_image_info info = {
+      .name = "engine image", .format = GPU_FORMAT_RGBA32_FLOAT, .usage = GPU_IMAGE_SAMPLED, .layers = 1};
+  *unorm = false;
+  return null_image_create(device, &info, out);
+}
+
+static csm_result null_geometry_import(gpu_device *device, const void *native, gpu_geometry *out) {
+  (void)native;
+  const gpu_buffer_info info = {.name = "engine geometry", .kind = GPU_BUFFER_DEVICE, .size = 1 << 20};
+  *out = (gpu_geometry){.vertex_stride = 12, .index_size = 2};
+  const csm_result result = null_buffer_create(device, &info, &out->vertices);
+  out->indices = out->vertices;
+  return result;
+}
+
+static uint64_t null_memory_available(gpu_device *device) {
+  (void)device;
+  return UINT64_MAX;
 }
 
 static csm_result null_target_create(gpu_device *device, const gpu_target_info *info, gpu_target **out) {
@@ -223,17 +246,21 @@ static void null_program_destroy(gpu_device *device, gpu_program *program) {
   release(device, program);
 }
 
-static csm_result null_bindings_create(gpu_device *device, const gpu_bindings_info *info, gpu_bindings **out) {
+static void null_bindings_write(gpu_device *device, gpu_bindings *bindings, const gpu_bindings_info *info) {
   for (uint32_t i = 0; i < info->program->info.constants_count; i++)
-    require(device, info->constants[i], "bindings_create: constants are missing");
+    require(device, info->constants[i], "bindings_write: constants are missing");
   for (uint32_t i = 0; i < info->program->info.texture_count; i++)
     require(device, info->textures[i] && (info->textures[i]->info.usage & GPU_IMAGE_SAMPLED),
-            "bindings_create: a texture is missing, or not made to be sampled");
+            "bindings_write: a texture is missing, or not made to be sampled");
+  bindings->info = *info;
+}
+
+static csm_result null_bindings_create(gpu_device *device, const gpu_bindings_info *info, gpu_bindings **out) {
   gpu_bindings *bindings = *out = make(device, sizeof *bindings);
   if (!bindings)
     return CSM_ERROR_OUT_OF_MEMORY;
   set_name(bindings->name, info->name);
-  bindings->info = *info;
+  null_bindings_write(device, bindings, info);
   return CSM_SUCCESS;
 }
 
@@ -243,10 +270,11 @@ static void null_bindings_destroy(gpu_device *device, gpu_bindings *bindings) {
 
 /* ---- recording ---- */
 
-static csm_result null_begin(gpu_device *device, uint32_t slot, void *native) {
-  require(device, !device->recording && !native, "begin: already recording, or into an engine's command buffer");
+static csm_result null_begin(gpu_device *device, const gpu_record_info *info) {
+  require(device, !device->recording, "begin: already recording");
+  require(device, !info->native == !device->engine, "begin: a command buffer belongs to an engine's device");
   device->recording = true;
-  record(device, "begin %u", slot);
+  record(device, "begin %u%s", info->slot, info->first ? "" : ", again");
   return CSM_SUCCESS;
 }
 
@@ -351,6 +379,11 @@ static void null_pass_draw(gpu_device *device, const gpu_draw *draw) {
     check_draw(device, draw);
 }
 
+static void null_pass_native(gpu_device *device, gpu_native_pass *out) {
+  require(device, device->in_pass, "pass_native: no pass is open");
+  *out = (gpu_native_pass){0};
+}
+
 static void null_make_readable(gpu_device *device, gpu_image *image) {
   record(device, "make_readable %s", image->name);
   require(device, device->recording && !device->in_pass, "make_readable: not between begin and end, or in a pass");
@@ -369,11 +402,12 @@ static csm_result null_wait(gpu_device *device, uint32_t slot) {
 }
 
 /* A millisecond from each to the next. */
-static csm_result null_timestamps(gpu_device *device, uint32_t slot, uint32_t count, uint64_t *nanoseconds) {
+static csm_result null_timestamps(gpu_device *device, uint32_t slot, uint32_t first, uint32_t count,
+                                  uint64_t *nanoseconds) {
   (void)device;
   (void)slot;
   for (uint32_t i = 0; i < count; i++)
-    nanoseconds[i] = i * 1000000ull;
+    nanoseconds[i] = (first + i) * 1000000ull;
   return CSM_SUCCESS;
 }
 
@@ -390,12 +424,17 @@ static const gpu_backend table = {
     .image_destroy = null_image_destroy,
     .image_bytes = null_image_bytes,
     .image_native = null_image_native,
+    .image_describe = null_image_describe,
+    .image_import = null_image_import,
+    .geometry_import = null_geometry_import,
     .target_create = null_target_create,
     .target_destroy = null_target_destroy,
     .program_create = null_program_create,
     .program_destroy = null_program_destroy,
     .bindings_create = null_bindings_create,
+    .bindings_write = null_bindings_write,
     .bindings_destroy = null_bindings_destroy,
+    .memory_available = null_memory_available,
     .begin = null_begin,
     .marker_begin = null_marker_begin,
     .marker_end = null_marker_end,
@@ -408,6 +447,7 @@ static const gpu_backend table = {
     .pass_program = null_pass_program,
     .pass_bind = null_pass_bind,
     .pass_draw = null_pass_draw,
+    .pass_native = null_pass_native,
     .make_readable = null_make_readable,
     .end = null_end,
     .wait = null_wait,

@@ -22,7 +22,7 @@
 #define CSM_M_INVERSE 0 /* four rows: clip (x, y, z, 1) to relative position times w */
 #define CSM_M_SIZE 4    /* width, height, 1 / width, 1 / height */
 #define CSM_M_CLEAR 5   /* depth of a pixel without a surface; 1, or -1 where image right, image up and back to the
-                           viewer are a left-handed basis of the world; unused */
+                           viewer are a left-handed basis of the world; scale and offset that decode normals */
 #define CSM_M_COUNT 6
 
 #endif

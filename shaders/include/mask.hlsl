@@ -11,6 +11,9 @@ cbuffer mask_block : register(b1)
 };
 Texture2DArray<float> csm_maps : register(t0);
 Texture2D<float> camera_depth : register(t1);
+#ifdef MASK_NORMALS
+Texture2D<float4> normals : register(t2);
+#endif
 SamplerComparisonState csm_compare : register(s0);
 
 #include "include/csm_sample.hlsl"
@@ -49,12 +52,33 @@ float3 tangent(int2 pixel, int2 axis, float3 position, float depth)
     return pixel_position(float2(pixel + axis), after) - position;
 }
 
+// A unit vector; towards the light where there is no direction.
+float3 unit(float3 v)
+{
+    float square = csm_dot(v, v);
+    return square > 0.0 ? v * rsqrt(square) : -csm_c[CSM_C_BASIS + 2].xyz;
+}
+
 float3 unit_cross(float3 a, float3 b)
 {
-    float3 n = float3(mad(a.y, b.z, -(a.z * b.y)), mad(a.z, b.x, -(a.x * b.z)), mad(a.x, b.y, -(a.y * b.x)));
-    float square = csm_dot(n, n);
-    return square > 0.0 ? n * rsqrt(square) : -csm_c[CSM_C_BASIS + 2].xyz;
+    return unit(float3(mad(a.y, b.z, -(a.z * b.y)), mad(a.z, b.x, -(a.x * b.z)), mad(a.x, b.y, -(a.y * b.x))));
 }
+
+#ifdef MASK_NORMALS
+float3 surface_normal(int2 pixel, float3 position, float depth)
+{
+    float3 n = normals.Load(int3(pixel, 0)).xyz;
+    float2 decode = mask_c[CSM_M_CLEAR].zw;
+    return unit(float3(mad(n.x, decode.x, decode.y), mad(n.y, decode.x, decode.y), mad(n.z, decode.x, decode.y)));
+}
+#else
+float3 surface_normal(int2 pixel, float3 position, float depth)
+{
+    float3 right = tangent(pixel, int2(1, 0), position, depth);
+    float3 down = tangent(pixel, int2(0, 1), position, depth);
+    return unit_cross(down, right) * mask_c[CSM_M_CLEAR].y;
+}
+#endif
 
 float main(float4 screen : SV_Position) : SV_Target
 {
@@ -63,8 +87,6 @@ float main(float4 screen : SV_Position) : SV_Target
     if (depth == mask_c[CSM_M_CLEAR].x)
         return 1.0;
     float3 position = pixel_position(float2(pixel), depth);
-    float3 right = tangent(pixel, int2(1, 0), position, depth);
-    float3 down = tangent(pixel, int2(0, 1), position, depth);
-    float3 normal = unit_cross(down, right) * mask_c[CSM_M_CLEAR].y;
+    float3 normal = surface_normal(pixel, position, depth);
     return csm_visibility(position, normal, csm_view_depth(position));
 }
