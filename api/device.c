@@ -1,13 +1,23 @@
 #include "context.h"
 
 #include <stdio.h>
+#include <string.h>
 
 enum { default_slots = 3, copied_stride = 12 };
+
+/* An engine's device belongs to one API. */
+static bool wrong_api(const csm_create_info *info, const char *backend) {
+  return (info->vulkan && strcmp(backend, "vulkan")) || (info->d3d12 && strcmp(backend, "d3d12"));
+}
 
 /* Opening reports its texts into a buffer, not through the log: the caller decides what becomes of them. */
 static csm_result open_backend(device *device, const csm_create_info *info) {
   char text[sizeof device->context->error] = "";
   csm_result result = loader_open(&device->library, info->backend, text, sizeof text);
+  if (!result && wrong_api(info, device->library.backend->name)) {
+    snprintf(text, sizeof text, "csm_create_info: the engine's device is not one of backend %s", info->backend);
+    result = CSM_ERROR_UNSUPPORTED;
+  }
   if (!result) {
     device->gpu.api = device->library.backend;
     const gpu_open_info open = {

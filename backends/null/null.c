@@ -121,15 +121,20 @@ static csm_result null_query(const gpu_open_info *info, gpu_device_info *out) {
 
 static csm_result null_open(const gpu_open_info *info, gpu_device **out) {
   *out = NULL;
-  if (info->device_name && !strstr("null", info->device_name)) {
+  const char *refusal = NULL;
+  if (info->native)
+    refusal = "the null backend opens no engine's device";
+  else if (info->device_name && !strstr("null", info->device_name))
+    refusal = "the null backend has one device, named null";
+  if (refusal) {
     if (info->error)
-      snprintf(info->error, info->error_size, "the null backend has one device, named null");
-    return CSM_ERROR_NO_DEVICE;
+      snprintf(info->error, info->error_size, "%s", refusal);
+    return info->native ? CSM_ERROR_UNSUPPORTED : CSM_ERROR_NO_DEVICE;
   }
   gpu_device *device = info->host->allocate(info->host->user, sizeof *device, 64);
   if (!device)
     return CSM_ERROR_OUT_OF_MEMORY;
-  *device = (gpu_device){.host = *info->host, .engine = info->native};
+  *device = (gpu_device){.host = *info->host};
   *out = device;
   return CSM_SUCCESS;
 }
@@ -194,21 +199,20 @@ static void null_image_describe(gpu_device *device, const gpu_image *image, uint
   record(device, "image_describe %s %llu", image->name, (unsigned long long)descriptor);
 }
 
+/* Never reached: there is no engine's device to import from. */
 static csm_result null_image_import(gpu_device *device, const void *native, gpu_image **out, bool *unorm) {
   (void)native;
-  const gpu_image_info info = {
-      .name = "engine image", .format = GPU_FORMAT_RGBA32_FLOAT, .usage = GPU_IMAGE_SAMPLED, .layers = 1};
+  require(device, false, "image_import: not on an engine's device");
+  *out = NULL;
   *unorm = false;
-  return null_image_create(device, &info, out);
+  return CSM_ERROR_UNSUPPORTED;
 }
 
 static csm_result null_geometry_import(gpu_device *device, const void *native, gpu_geometry *out) {
   (void)native;
-  const gpu_buffer_info info = {.name = "engine geometry", .kind = GPU_BUFFER_DEVICE, .size = 1 << 20};
-  *out = (gpu_geometry){.vertex_stride = 12, .index_size = 2};
-  const csm_result result = null_buffer_create(device, &info, &out->vertices);
-  out->indices = out->vertices;
-  return result;
+  require(device, false, "geometry_import: not on an engine's device");
+  *out = (gpu_geometry){0};
+  return CSM_ERROR_UNSUPPORTED;
 }
 
 static uint64_t null_memory_available(gpu_device *device) {
@@ -271,8 +275,7 @@ static void null_bindings_destroy(gpu_device *device, gpu_bindings *bindings) {
 /* ---- recording ---- */
 
 static csm_result null_begin(gpu_device *device, const gpu_record_info *info) {
-  require(device, !device->recording, "begin: already recording");
-  require(device, !info->native == !device->engine, "begin: a command buffer belongs to an engine's device");
+  require(device, !device->recording && !info->native, "begin: already recording, or into an engine's command buffer");
   device->recording = true;
   record(device, "begin %u%s", info->slot, info->first ? "" : ", again");
   return CSM_SUCCESS;
