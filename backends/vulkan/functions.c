@@ -15,20 +15,29 @@ bool vulkan_load_loader(vulkan_functions *vk) {
   return complete;
 }
 
-bool vulkan_load_instance(vulkan_functions *vk, VkInstance instance) {
+bool vulkan_load_instance(vulkan_functions *vk, VkInstance instance, bool own) {
   bool complete = true;
   VULKAN_INSTANCE_FUNCTIONS(LOAD)
+  if (own) {
+    VULKAN_OWN_INSTANCE_FUNCTIONS(LOAD)
+  }
   return complete;
 }
 
-bool vulkan_load_debug(vulkan_functions *vk, VkInstance instance) {
+bool vulkan_load_debug(vulkan_functions *vk, VkInstance instance, bool own) {
   bool complete = true;
   VULKAN_DEBUG_FUNCTIONS(LOAD)
+  if (own) {
+    VULKAN_MESSENGER_FUNCTIONS(LOAD)
+  }
   return complete;
 }
 
-bool vulkan_load_device(vulkan_functions *vk, VkDevice device) {
+bool vulkan_load_device(vulkan_functions *vk, VkDevice device, bool own) {
   bool complete = true;
   VULKAN_DEVICE_FUNCTIONS(LOAD_DEVICE)
+  if (own) {
+    VULKAN_OWN_DEVICE_FUNCTIONS(LOAD_DEVICE)
+  }
   return complete;
 }

@@ -13,33 +13,36 @@
   X(EnumerateInstanceExtensionProperties)                                                                              \
   X(CreateInstance)
 
+/* On any device. */
 #define VULKAN_INSTANCE_FUNCTIONS(X)                                                                                   \
-  X(DestroyInstance)                                                                                                   \
-  X(EnumeratePhysicalDevices)                                                                                          \
-  X(EnumerateDeviceExtensionProperties)                                                                                \
   X(GetPhysicalDeviceProperties)                                                                                       \
   X(GetPhysicalDeviceProperties2)                                                                                      \
-  X(GetPhysicalDeviceFeatures)                                                                                         \
   X(GetPhysicalDeviceFormatProperties)                                                                                 \
   X(GetPhysicalDeviceImageFormatProperties)                                                                            \
   X(GetPhysicalDeviceMemoryProperties)                                                                                 \
+  X(GetPhysicalDeviceMemoryProperties2)                                                                                \
   X(GetPhysicalDeviceQueueFamilyProperties)                                                                            \
-  X(CreateDevice)                                                                                                      \
   X(GetDeviceProcAddr)
 
-/* Of VK_EXT_debug_utils, which is optional. */
+/* On an own device alone: an engine's is never asked for them. */
+#define VULKAN_OWN_INSTANCE_FUNCTIONS(X)                                                                               \
+  X(DestroyInstance)                                                                                                   \
+  X(EnumeratePhysicalDevices)                                                                                          \
+  X(EnumerateDeviceExtensionProperties)                                                                                \
+  X(GetPhysicalDeviceFeatures)                                                                                         \
+  X(CreateDevice)
+
+/* Of VK_EXT_debug_utils, which is optional; the messenger's on an own device alone. */
 #define VULKAN_DEBUG_FUNCTIONS(X)                                                                                      \
-  X(CreateDebugUtilsMessengerEXT)                                                                                      \
-  X(DestroyDebugUtilsMessengerEXT)                                                                                     \
   X(SetDebugUtilsObjectNameEXT)                                                                                        \
   X(CmdBeginDebugUtilsLabelEXT)                                                                                        \
   X(CmdEndDebugUtilsLabelEXT)
 
+#define VULKAN_MESSENGER_FUNCTIONS(X)                                                                                  \
+  X(CreateDebugUtilsMessengerEXT)                                                                                      \
+  X(DestroyDebugUtilsMessengerEXT)
+
 #define VULKAN_DEVICE_FUNCTIONS(X)                                                                                     \
-  X(DestroyDevice)                                                                                                     \
-  X(DeviceWaitIdle)                                                                                                    \
-  X(GetDeviceQueue)                                                                                                    \
-  X(QueueSubmit)                                                                                                       \
   X(AllocateMemory)                                                                                                    \
   X(FreeMemory)                                                                                                        \
   X(MapMemory)                                                                                                         \
@@ -71,16 +74,6 @@
   X(DestroyDescriptorPool)                                                                                             \
   X(AllocateDescriptorSets)                                                                                            \
   X(UpdateDescriptorSets)                                                                                              \
-  X(CreateCommandPool)                                                                                                 \
-  X(DestroyCommandPool)                                                                                                \
-  X(ResetCommandPool)                                                                                                  \
-  X(AllocateCommandBuffers)                                                                                            \
-  X(BeginCommandBuffer)                                                                                                \
-  X(EndCommandBuffer)                                                                                                  \
-  X(CreateFence)                                                                                                       \
-  X(DestroyFence)                                                                                                      \
-  X(ResetFences)                                                                                                       \
-  X(WaitForFences)                                                                                                     \
   X(CreateQueryPool)                                                                                                   \
   X(DestroyQueryPool)                                                                                                  \
   X(GetQueryPoolResults)                                                                                               \
@@ -101,6 +94,22 @@
   X(CmdDraw)                                                                                                           \
   X(CmdDrawIndexed)
 
+#define VULKAN_OWN_DEVICE_FUNCTIONS(X)                                                                                 \
+  X(DestroyDevice)                                                                                                     \
+  X(DeviceWaitIdle)                                                                                                    \
+  X(GetDeviceQueue)                                                                                                    \
+  X(QueueSubmit)                                                                                                       \
+  X(CreateCommandPool)                                                                                                 \
+  X(DestroyCommandPool)                                                                                                \
+  X(ResetCommandPool)                                                                                                  \
+  X(AllocateCommandBuffers)                                                                                            \
+  X(BeginCommandBuffer)                                                                                                \
+  X(EndCommandBuffer)                                                                                                  \
+  X(CreateFence)                                                                                                       \
+  X(DestroyFence)                                                                                                      \
+  X(ResetFences)                                                                                                       \
+  X(WaitForFences)
+
 #define VULKAN_DECLARE(name) PFN_vk##name name;
 
 /* Members are the functions' names without "vk". */
@@ -108,14 +117,18 @@ typedef struct vulkan_functions {
   PFN_vkGetInstanceProcAddr GetInstanceProcAddr; /* set by the owner; what the others are loaded through */
   VULKAN_LOADER_FUNCTIONS(VULKAN_DECLARE)
   VULKAN_INSTANCE_FUNCTIONS(VULKAN_DECLARE)
+  VULKAN_OWN_INSTANCE_FUNCTIONS(VULKAN_DECLARE)
   VULKAN_DEBUG_FUNCTIONS(VULKAN_DECLARE)
+  VULKAN_MESSENGER_FUNCTIONS(VULKAN_DECLARE)
   VULKAN_DEVICE_FUNCTIONS(VULKAN_DECLARE)
+  VULKAN_OWN_DEVICE_FUNCTIONS(VULKAN_DECLARE)
 } vulkan_functions;
 
-/* Each is false if a function is missing: what was asked is older than Vulkan 1.1, or has not the extension. */
+/* Each is false if a function is missing: what was asked is older than Vulkan 1.1, or has not the extension. `own`:
+   with the functions of an own device. */
 bool vulkan_load_loader(vulkan_functions *vk);
-bool vulkan_load_instance(vulkan_functions *vk, VkInstance instance);
-bool vulkan_load_debug(vulkan_functions *vk, VkInstance instance);
-bool vulkan_load_device(vulkan_functions *vk, VkDevice device);
+bool vulkan_load_instance(vulkan_functions *vk, VkInstance instance, bool own);
+bool vulkan_load_debug(vulkan_functions *vk, VkInstance instance, bool own);
+bool vulkan_load_device(vulkan_functions *vk, VkDevice device, bool own);
 
 #endif

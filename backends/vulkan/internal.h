@@ -1,8 +1,9 @@
 /*
- * internal.h: what the files of the Vulkan backend share. Vulkan 1.1 core alone; VK_EXT_debug_utils where it is on.
+ * internal.h: what the files of the Vulkan backend share. Vulkan 1.1 core alone; VK_EXT_debug_utils and
+ * VK_EXT_memory_budget where they are on.
  *
- * A device is opened in two steps: its handles are obtained (own.c opens them), and then used (device.c, which asks for
- * nothing that an engine's device could not give).
+ * A device is opened in two steps: its handles are obtained (own.c opens them, engine.c takes an engine's), and then
+ * used. An engine's device has no queue here: nothing is submitted, and nothing waited for.
  */
 #ifndef VULKAN_INTERNAL_H
 #define VULKAN_INTERNAL_H
@@ -50,13 +51,16 @@ struct gpu_buffer {
   VkBuffer handle;
   vulkan_memory memory;
   gpu_buffer_kind kind;
+  bool borrowed;                   /* an engine's: neither destroyed nor copied */
   uint64_t epoch;                  /* of the transfers in the range below */
   uint64_t copied_from, copied_to; /* what copies have read or written since the last barrier between transfers */
 };
 
 struct gpu_image {
   VkImage handle;
-  VkImageView view; /* what shaders see; none without GPU_IMAGE_SAMPLED */
+  VkImageView view;             /* what shaders see; none without GPU_IMAGE_SAMPLED */
+  VkImageLayout sampled_layout; /* while shaders see it */
+  bool borrowed;                /* an engine's view, of an image whose state is the engine's: no handle, no layers */
   vulkan_memory memory;
   gpu_format format;
   uint32_t width, height, layer_count;
@@ -92,7 +96,7 @@ struct gpu_bindings {
   uint32_t constants_count;
 };
 
-/* One recording in flight. */
+/* One frame in flight. All but the queries are there on an own device alone. */
 typedef struct vulkan_slot {
   VkCommandPool pool;
   VkCommandBuffer commands;
@@ -106,8 +110,9 @@ struct gpu_device {
   char *error; /* while the device is being opened: where texts of errors go instead of the log; else NULL */
   size_t error_size;
 
-  /* handles: obtained by own.c */
-  void *library;
+  /* handles: obtained by own.c or engine.c */
+  bool own;      /* else an engine's */
+  void *library; /* own.c's, as are the messenger and the queue */
   vulkan_functions vk;
   VkInstance instance;
   VkDebugUtilsMessengerEXT messenger;
@@ -115,11 +120,17 @@ struct gpu_device {
   VkDevice handle;
   VkQueue queue;
   uint32_t queue_family;
-  bool debug; /* VK_EXT_debug_utils is on */
+  bool usable;            /* its functions are loaded */
+  bool debug;             /* VK_EXT_debug_utils is on */
+  bool driver_properties; /* VK_KHR_driver_properties may be asked */
+  bool memory_budget;     /* VK_EXT_memory_budget is on */
 
   /* what the device is */
   gpu_device_info info;
   VkPhysicalDeviceMemoryProperties memory;
+  uint32_t image_heap;
+  uint32_t max_stride;     /* of vertices, in bytes */
+  vulkan_use read;         /* by shaders: the state in which images rest */
   uint64_t timestamp_mask; /* 0: no timestamps */
   double timestamp_period_ns;
 
@@ -133,7 +144,8 @@ struct gpu_device {
   /* the current recording */
   vulkan_slot *slot;
   VkCommandBuffer commands;
-  gpu_image *used;       /* a list */
+  gpu_image *used; /* a list */
+  const gpu_target *target;
   uint32_t stream_count; /* of the pass's program */
 
   /* the state of all buffers, in recording order */
@@ -161,13 +173,26 @@ uint32_t vulkan_texel_bytes(gpu_format format);
 csm_result vulkan_query(const gpu_open_info *info, gpu_device_info *out);
 csm_result vulkan_open(const gpu_open_info *info, gpu_device **out);
 void vulkan_close(gpu_device *device);
+
+/* ---- describe.c: what a device is ---- */
+/* What it lacks, with these features enabled, that csm cannot do without; NULL if nothing. */
+const char *vulkan_lacks(const gpu_device *device, VkPhysicalDevice physical, const VkPhysicalDeviceFeatures *features);
+/* What a queue family can do; 0 if there is none. `timestamp_bits` may be NULL. */
+VkQueueFlags vulkan_queue_flags(const gpu_device *device, VkPhysicalDevice physical, uint32_t family,
+                                uint32_t *timestamp_bits);
+csm_result vulkan_describe_physical(gpu_device *device);
 void vulkan_describe(const gpu_device *device, gpu_device_info *out);
+uint64_t vulkan_memory_available(gpu_device *device);
 
 /* ---- own.c: an own device's handles ---- */
-bool vulkan_has_extension(const VkExtensionProperties *extensions, uint32_t count, const char *name);
 csm_result vulkan_own_select(gpu_device *device, const gpu_open_info *info); /* library, instance, physical device */
 csm_result vulkan_own_open(gpu_device *device);                              /* then the device */
 void vulkan_own_close(gpu_device *device);                                   /* whatever of it there is */
+
+/* ---- engine.c: an engine's handles, images and buffers ---- */
+csm_result vulkan_engine_take(gpu_device *device, const void *native); /* csm_vulkan_device; checks it */
+csm_result vulkan_image_import(gpu_device *device, const void *native, gpu_image **out, bool *unorm);
+csm_result vulkan_geometry_import(gpu_device *device, const void *native, gpu_geometry *out);
 
 /* ---- resource.c ---- */
 csm_result vulkan_buffer_create(gpu_device *device, const gpu_buffer_info *info, gpu_buffer **out);
@@ -176,7 +201,8 @@ void *vulkan_buffer_memory(gpu_buffer *buffer);
 csm_result vulkan_image_create(gpu_device *device, const gpu_image_info *info, gpu_image **out);
 void vulkan_image_destroy(gpu_device *device, gpu_image *image);
 uint64_t vulkan_image_bytes(const gpu_image *image);
-uint64_t vulkan_image_native(const gpu_image *image);
+void vulkan_image_native(const gpu_device *device, const gpu_image *image, gpu_native_image *out);
+void vulkan_image_describe(gpu_device *device, const gpu_image *image, uint64_t descriptor);
 csm_result vulkan_target_create(gpu_device *device, const gpu_target_info *info, gpu_target **out);
 void vulkan_target_destroy(gpu_device *device, gpu_target *target);
 
@@ -187,12 +213,24 @@ csm_result vulkan_pass_get(gpu_device *device, gpu_format depth, gpu_format colo
 csm_result vulkan_program_create(gpu_device *device, const gpu_program_info *info, gpu_program **out);
 void vulkan_program_destroy(gpu_device *device, gpu_program *program);
 csm_result vulkan_bindings_create(gpu_device *device, const gpu_bindings_info *info, gpu_bindings **out);
+void vulkan_bindings_write(gpu_device *device, gpu_bindings *bindings, const gpu_bindings_info *info);
 void vulkan_bindings_destroy(gpu_device *device, gpu_bindings *bindings);
 
-/* ---- record.c ---- */
+/* ---- slot.c ---- */
 csm_result vulkan_slot_create(gpu_device *device, vulkan_slot *slot);
 void vulkan_slot_destroy(gpu_device *device, vulkan_slot *slot);
-csm_result vulkan_begin(gpu_device *device, uint32_t slot, void *native);
+csm_result vulkan_begin(gpu_device *device, const gpu_record_info *info);
+csm_result vulkan_end(gpu_device *device);
+csm_result vulkan_wait(gpu_device *device, uint32_t slot);
+csm_result vulkan_timestamps(gpu_device *device, uint32_t slot, uint32_t first, uint32_t count, uint64_t *nanoseconds);
+
+/* ---- record.c ---- */
+void vulkan_memory_barrier(gpu_device *device, VkPipelineStageFlags from, VkAccessFlags written,
+                           VkPipelineStageFlags to, VkAccessFlags access);
+/* Ends what a recording did to images: those that shaders read rest readable between recordings. */
+void vulkan_rest_images(gpu_device *device);
+/* `recorded` false: the recording's uses will not take place. */
+void vulkan_release_images(gpu_device *device, bool recorded);
 void vulkan_marker_begin(gpu_device *device, const char *name);
 void vulkan_marker_end(gpu_device *device);
 void vulkan_timestamp(gpu_device *device, uint32_t index);
@@ -206,9 +244,7 @@ void vulkan_pass_end(gpu_device *device);
 void vulkan_pass_program(gpu_device *device, gpu_program *program);
 void vulkan_pass_bind(gpu_device *device, gpu_bindings *bindings, const uint32_t *offsets);
 void vulkan_pass_draw(gpu_device *device, const gpu_draw *draw);
+void vulkan_pass_native(gpu_device *device, gpu_native_pass *out);
 void vulkan_make_readable(gpu_device *device, gpu_image *image);
-csm_result vulkan_end(gpu_device *device);
-csm_result vulkan_wait(gpu_device *device, uint32_t slot);
-csm_result vulkan_timestamps(gpu_device *device, uint32_t slot, uint32_t count, uint64_t *nanoseconds);
 
 #endif

@@ -22,7 +22,7 @@ static csm_result open_library(gpu_device *device) {
 
 /* ---- the instance ---- */
 
-bool vulkan_has_extension(const VkExtensionProperties *extensions, uint32_t count, const char *name) {
+static bool has_extension(const VkExtensionProperties *extensions, uint32_t count, const char *name) {
   for (uint32_t i = 0; i < count; i++)
     if (strcmp(extensions[i].extensionName, name) == 0)
       return true;
@@ -40,7 +40,7 @@ static csm_result find_instance_extension(gpu_device *device, const char *layer,
     return CSM_ERROR_OUT_OF_MEMORY;
   result = device->vk.EnumerateInstanceExtensionProperties(layer, &count, extensions);
   if (result >= 0)
-    *found = vulkan_has_extension(extensions, count, name);
+    *found = has_extension(extensions, count, name);
   vulkan_release(device, extensions);
   return vulkan_check(device, result, "vkEnumerateInstanceExtensionProperties");
 }
@@ -127,9 +127,9 @@ static csm_result create_instance(gpu_device *device, bool validate) {
   result = vulkan_check(device, created, "vkCreateInstance");
   if (result != CSM_SUCCESS)
     return result;
-  if (!vulkan_load_instance(&device->vk, device->instance))
+  if (!vulkan_load_instance(&device->vk, device->instance, true))
     return vulkan_fail(device, CSM_ERROR_NO_DEVICE, "the Vulkan instance lacks functions of Vulkan 1.1");
-  device->debug = device->debug && vulkan_load_debug(&device->vk, device->instance);
+  device->debug = device->debug && vulkan_load_debug(&device->vk, device->instance, true);
   if (!layer || !device->debug)
     return CSM_SUCCESS;
   VkDebugUtilsMessengerCreateInfoEXT own_messenger = messenger;
@@ -142,31 +142,19 @@ static csm_result create_instance(gpu_device *device, bool validate) {
 /* ---- the physical device ---- */
 
 static uint32_t find_graphics_queue(const gpu_device *device, VkPhysicalDevice physical) {
-  VkQueueFamilyProperties families[16];
-  uint32_t count = sizeof families / sizeof *families;
-  device->vk.GetPhysicalDeviceQueueFamilyProperties(physical, &count, families);
-  for (uint32_t i = 0; i < count; i++)
-    if (families[i].queueCount > 0 && (families[i].queueFlags & VK_QUEUE_GRAPHICS_BIT))
-      return i;
-  return UINT32_MAX;
+  for (uint32_t family = 0;; family++) {
+    const VkQueueFlags flags = vulkan_queue_flags(device, physical, family, NULL);
+    if (!flags || (flags & VK_QUEUE_GRAPHICS_BIT))
+      return flags ? family : UINT32_MAX;
+  }
 }
 
 /* What a device lacks that csm cannot do without; NULL if nothing. */
-static const char *missing(const gpu_device *device, VkPhysicalDevice physical,
-                           const VkPhysicalDeviceProperties *properties) {
-  if (properties->apiVersion < VK_API_VERSION_1_1)
-    return "Vulkan 1.1";
+static const char *missing(const gpu_device *device, VkPhysicalDevice physical) {
   VkPhysicalDeviceFeatures features;
   device->vk.GetPhysicalDeviceFeatures(physical, &features);
-  if (!features.depthClamp)
-    return "depthClamp";
-  VkFormatProperties depth;
-  const VkFormatFeatureFlags wanted =
-      VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT;
-  device->vk.GetPhysicalDeviceFormatProperties(physical, VK_FORMAT_D32_SFLOAT, &depth);
-  if ((depth.optimalTilingFeatures & wanted) != wanted)
-    return "D32_SFLOAT as a depth target and a texture";
-  return find_graphics_queue(device, physical) == UINT32_MAX ? "a graphics queue" : NULL;
+  const char *lacks = vulkan_lacks(device, physical, &features);
+  return !lacks && find_graphics_queue(device, physical) == UINT32_MAX ? "a graphics queue" : lacks;
 }
 
 /* Lower is better. */
@@ -205,7 +193,7 @@ static csm_result select_from(gpu_device *device, const char *name, const VkPhys
     device->vk.GetPhysicalDeviceProperties(list[i], &properties);
     if (name && !contains(properties.deviceName, name))
       continue;
-    const char *lacks = missing(device, list[i], &properties);
+    const char *lacks = missing(device, list[i]);
     if (lacks) {
       vulkan_text(lack, sizeof lack, "; %s lacks %s", properties.deviceName, lacks);
     } else if (rank(properties.deviceType) < best) {
@@ -238,15 +226,34 @@ static csm_result select_physical(gpu_device *device, const char *name) {
   return result;
 }
 
+/* Which optional extensions there are. */
+static csm_result find_device_extensions(gpu_device *device) {
+  uint32_t count = 0;
+  VkResult result = device->vk.EnumerateDeviceExtensionProperties(device->physical, NULL, &count, NULL);
+  if (result != VK_SUCCESS || count == 0)
+    return vulkan_check(device, result, "vkEnumerateDeviceExtensionProperties");
+  VkExtensionProperties *extensions = vulkan_allocate(device, count * sizeof *extensions);
+  if (!extensions)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  result = device->vk.EnumerateDeviceExtensionProperties(device->physical, NULL, &count, extensions);
+  if (result >= 0) {
+    device->driver_properties = has_extension(extensions, count, VK_KHR_DRIVER_PROPERTIES_EXTENSION_NAME);
+    device->memory_budget = has_extension(extensions, count, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
+  }
+  vulkan_release(device, extensions);
+  return vulkan_check(device, result, "vkEnumerateDeviceExtensionProperties");
+}
+
 csm_result vulkan_own_select(gpu_device *device, const gpu_open_info *info) {
   csm_result result = open_library(device);
   if (result == CSM_SUCCESS)
     result = create_instance(device, info->validate);
   if (result == CSM_SUCCESS)
     result = select_physical(device, info->device_name);
-  if (result == CSM_SUCCESS)
-    device->queue_family = find_graphics_queue(device, device->physical);
-  return result;
+  if (result != CSM_SUCCESS)
+    return result;
+  device->queue_family = find_graphics_queue(device, device->physical);
+  return find_device_extensions(device);
 }
 
 /* ---- the device ---- */
@@ -258,9 +265,12 @@ csm_result vulkan_own_open(gpu_device *device) {
                                          .queueCount = 1,
                                          .pQueuePriorities = &priority};
   const VkPhysicalDeviceFeatures features = {.depthClamp = VK_TRUE};
+  const char *const extensions[] = {VK_EXT_MEMORY_BUDGET_EXTENSION_NAME};
   const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                    .queueCreateInfoCount = 1,
                                    .pQueueCreateInfos = &queue,
+                                   .enabledExtensionCount = device->memory_budget,
+                                   .ppEnabledExtensionNames = extensions,
                                    .pEnabledFeatures = &features};
   return vulkan_check(device, device->vk.CreateDevice(device->physical, &info, NULL, &device->handle),
                       "vkCreateDevice");

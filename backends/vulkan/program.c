@@ -293,7 +293,7 @@ static csm_result set_allocate(gpu_device *device, gpu_bindings *bindings, const
   return result;
 }
 
-static void set_write(gpu_device *device, const gpu_bindings *bindings, const gpu_bindings_info *info) {
+void vulkan_bindings_write(gpu_device *device, gpu_bindings *bindings, const gpu_bindings_info *info) {
   const gpu_program *program = info->program;
   VkDescriptorBufferInfo buffers[GPU_MAX_CONSTANTS];
   VkDescriptorImageInfo images[GPU_MAX_TEXTURES];
@@ -309,8 +309,8 @@ static void set_write(gpu_device *device, const gpu_bindings *bindings, const gp
                                              .pBufferInfo = &buffers[i]};
   }
   for (uint32_t i = 0; i < program->texture_count; i++) {
-    images[i] = (VkDescriptorImageInfo){.imageView = info->textures[i]->view,
-                                        .imageLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+    images[i] =
+        (VkDescriptorImageInfo){.imageView = info->textures[i]->view, .imageLayout = info->textures[i]->sampled_layout};
     writes[count++] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                                              .dstSet = bindings->set,
                                              .dstBinding = BINDING_TEXTURES + i,
@@ -333,7 +333,7 @@ csm_result vulkan_bindings_create(gpu_device *device, const gpu_bindings_info *i
     vulkan_bindings_destroy(device, bindings);
     return result;
   }
-  set_write(device, bindings, info);
+  vulkan_bindings_write(device, bindings, info);
   *out = bindings;
   return CSM_SUCCESS;
 }

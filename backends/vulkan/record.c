@@ -16,9 +16,6 @@ static const vulkan_use use_clear = {.layout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTI
 static const vulkan_use use_copy = {.layout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
                                     .stages = VK_PIPELINE_STAGE_TRANSFER_BIT,
                                     .access = VK_ACCESS_TRANSFER_READ_BIT};
-static const vulkan_use use_read = {.layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
-                                    .stages = VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
-                                    .access = VK_ACCESS_SHADER_READ_BIT};
 static const vulkan_use use_depth = {
     .layout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
     .stages = VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT,
@@ -88,17 +85,15 @@ static void image_use(gpu_device *device, gpu_image *image, uint32_t first, uint
     image->layers[first + i].ready = false;
 }
 
-/* Shader-readable images rest readable between recordings. */
-static void rest_images(gpu_device *device) {
+void vulkan_rest_images(gpu_device *device) {
   for (gpu_image *image = device->used; image; image = image->next_used)
     if (image->view)
-      image_use(device, image, 0, image->layer_count, &use_read, false);
+      image_use(device, image, 0, image->layer_count, &device->read, false);
 }
 
-/* `submitted` false: the recording's uses will not take place. */
-static void release_images(gpu_device *device, bool submitted) {
+void vulkan_release_images(gpu_device *device, bool recorded) {
   for (gpu_image *image = device->used; image; image = image->next_used) {
-    if (!submitted)
+    if (!recorded)
       memcpy(image->layers, image->before, image->layer_count * sizeof *image->layers);
     image->used = false;
   }
@@ -107,7 +102,7 @@ static void release_images(gpu_device *device, bool submitted) {
 
 /* ---- barriers for buffers ---- */
 
-static void memory_barrier(gpu_device *device, VkPipelineStageFlags from, VkAccessFlags written,
+void vulkan_memory_barrier(gpu_device *device, VkPipelineStageFlags from, VkAccessFlags written,
                            VkPipelineStageFlags to, VkAccessFlags access) {
   const VkMemoryBarrier barrier = {
       .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER, .srcAccessMask = written, .dstAccessMask = access};
@@ -119,8 +114,8 @@ static void transfer_range(gpu_device *device, gpu_buffer *buffer, uint64_t offs
   if (buffer->kind == GPU_BUFFER_UPLOAD)
     return; /* only ever read */
   if (buffer->epoch == device->epoch && offset < buffer->copied_to && buffer->copied_from < offset + size) {
-    memory_barrier(device, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT,
-                   VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT);
+    vulkan_memory_barrier(device, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
+                          VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT);
     device->epoch++;
   }
   const bool first = buffer->epoch != device->epoch;
@@ -131,107 +126,7 @@ static void transfer_range(gpu_device *device, gpu_buffer *buffer, uint64_t offs
   buffer->epoch = device->epoch;
 }
 
-/* ---- slots ---- */
-
-csm_result vulkan_slot_create(gpu_device *device, vulkan_slot *slot) {
-  const vulkan_functions *vk = &device->vk;
-  const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
-                                        .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
-                                        .queueFamilyIndex = device->queue_family};
-  csm_result result =
-      vulkan_check(device, vk->CreateCommandPool(device->handle, &pool, NULL, &slot->pool), "vkCreateCommandPool");
-  if (result != CSM_SUCCESS)
-    return result;
-  const VkCommandBufferAllocateInfo commands = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
-                                                .commandPool = slot->pool,
-                                                .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
-                                                .commandBufferCount = 1};
-  result = vulkan_check(device, vk->AllocateCommandBuffers(device->handle, &commands, &slot->commands),
-                        "vkAllocateCommandBuffers");
-  if (result != CSM_SUCCESS)
-    return result;
-  const VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-  result = vulkan_check(device, vk->CreateFence(device->handle, &fence, NULL, &slot->fence), "vkCreateFence");
-  if (result != CSM_SUCCESS)
-    return result;
-  vulkan_name(device, VK_OBJECT_TYPE_COMMAND_POOL, (uint64_t)slot->pool, "csm slot");
-  vulkan_name(device, VK_OBJECT_TYPE_COMMAND_BUFFER, (uint64_t)(uintptr_t)slot->commands, "csm slot");
-  vulkan_name(device, VK_OBJECT_TYPE_FENCE, (uint64_t)slot->fence, "csm slot");
-  if (device->timestamp_mask == 0)
-    return CSM_SUCCESS;
-  const VkQueryPoolCreateInfo queries = {.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
-                                         .queryType = VK_QUERY_TYPE_TIMESTAMP,
-                                         .queryCount = GPU_MAX_TIMESTAMPS};
-  result =
-      vulkan_check(device, vk->CreateQueryPool(device->handle, &queries, NULL, &slot->queries), "vkCreateQueryPool");
-  if (result == CSM_SUCCESS)
-    vulkan_name(device, VK_OBJECT_TYPE_QUERY_POOL, (uint64_t)slot->queries, "csm slot");
-  return result;
-}
-
-void vulkan_slot_destroy(gpu_device *device, vulkan_slot *slot) {
-  device->vk.DestroyQueryPool(device->handle, slot->queries, NULL);
-  device->vk.DestroyFence(device->handle, slot->fence, NULL);
-  device->vk.DestroyCommandPool(device->handle, slot->pool, NULL);
-}
-
-csm_result vulkan_wait(gpu_device *device, uint32_t slot_index) {
-  vulkan_slot *slot = &device->slots[slot_index];
-  if (!slot->submitted)
-    return CSM_SUCCESS;
-  const csm_result result = vulkan_check(
-      device, device->vk.WaitForFences(device->handle, 1, &slot->fence, VK_TRUE, UINT64_MAX), "vkWaitForFences");
-  if (result == CSM_SUCCESS)
-    slot->submitted = false;
-  return result;
-}
-
-/* ---- a recording ---- */
-
-csm_result vulkan_begin(gpu_device *device, uint32_t slot_index, void *native) {
-  (void)native;
-  const vulkan_functions *vk = &device->vk;
-  vulkan_slot *slot = &device->slots[slot_index];
-  csm_result result = vulkan_wait(device, slot_index);
-  if (result == CSM_SUCCESS)
-    result = vulkan_check(device, vk->ResetCommandPool(device->handle, slot->pool, 0), "vkResetCommandPool");
-  const VkCommandBufferBeginInfo info = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
-                                         .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
-  if (result == CSM_SUCCESS)
-    result = vulkan_check(device, vk->BeginCommandBuffer(slot->commands, &info), "vkBeginCommandBuffer");
-  if (result != CSM_SUCCESS)
-    return result;
-  device->slot = slot;
-  device->commands = slot->commands;
-  device->readback_written = false;
-  if (slot->queries)
-    vk->CmdResetQueryPool(device->commands, slot->queries, 0, GPU_MAX_TIMESTAMPS);
-  if (device->recording_lost)
-    memory_barrier(device, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_ACCESS_MEMORY_WRITE_BIT,
-                   VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT);
-  device->recording_lost = false;
-  return CSM_SUCCESS;
-}
-
-csm_result vulkan_end(gpu_device *device) {
-  const vulkan_functions *vk = &device->vk;
-  vulkan_slot *slot = device->slot;
-  rest_images(device);
-  if (device->readback_written)
-    memory_barrier(device, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_HOST_BIT,
-                   VK_ACCESS_HOST_READ_BIT);
-  const VkSubmitInfo submit = {
-      .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &slot->commands};
-  csm_result result = vulkan_check(device, vk->EndCommandBuffer(slot->commands), "vkEndCommandBuffer");
-  if (result == CSM_SUCCESS)
-    result = vulkan_check(device, vk->ResetFences(device->handle, 1, &slot->fence), "vkResetFences");
-  if (result == CSM_SUCCESS)
-    result = vulkan_check(device, vk->QueueSubmit(device->queue, 1, &submit, slot->fence), "vkQueueSubmit");
-  slot->submitted = result == CSM_SUCCESS;
-  device->recording_lost = !slot->submitted;
-  release_images(device, slot->submitted);
-  return result;
-}
+/* ---- markers and timestamps ---- */
 
 void vulkan_marker_begin(gpu_device *device, const char *name) {
   if (!device->debug)
@@ -249,25 +144,8 @@ void vulkan_marker_end(gpu_device *device) {
 void vulkan_timestamp(gpu_device *device, uint32_t index) {
   if (!device->slot->queries)
     return;
-  memory_barrier(device, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0);
+  vulkan_memory_barrier(device, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0);
   device->vk.CmdWriteTimestamp(device->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, device->slot->queries, index);
-}
-
-csm_result vulkan_timestamps(gpu_device *device, uint32_t slot_index, uint32_t count, uint64_t *nanoseconds) {
-  const vulkan_slot *slot = &device->slots[slot_index];
-  if (!slot->queries)
-    return vulkan_fail(device, CSM_ERROR_UNSUPPORTED, "the device's queue has no timestamps");
-  csm_result result = vulkan_wait(device, slot_index);
-  if (result != CSM_SUCCESS || count == 0)
-    return result;
-  result =
-      vulkan_check(device,
-                   device->vk.GetQueryPoolResults(device->handle, slot->queries, 0, count, count * sizeof *nanoseconds,
-                                                  nanoseconds, sizeof *nanoseconds, VK_QUERY_RESULT_64_BIT),
-                   "vkGetQueryPoolResults");
-  for (uint32_t i = 0; result == CSM_SUCCESS && i < count; i++)
-    nanoseconds[i] = (uint64_t)((double)(nanoseconds[i] & device->timestamp_mask) * device->timestamp_period_ns);
-  return result;
 }
 
 /* ---- outside passes ---- */
@@ -280,7 +158,7 @@ void vulkan_copy_buffer(gpu_device *device, gpu_buffer *to, uint64_t to_offset, 
     device->readback_written = true;
   } else {
     if (device->vertices_drawn)
-      memory_barrier(device, VK_PIPELINE_STAGE_VERTEX_INPUT_BIT, 0, VK_PIPELINE_STAGE_TRANSFER_BIT, 0);
+      vulkan_memory_barrier(device, VK_PIPELINE_STAGE_VERTEX_INPUT_BIT, 0, VK_PIPELINE_STAGE_TRANSFER_BIT, 0);
     device->vertices_drawn = false;
     device->vertices_copied = true;
   }
@@ -312,7 +190,8 @@ void vulkan_clear_depth(gpu_device *device, gpu_image *image, float depth) {
 }
 
 void vulkan_make_readable(gpu_device *device, gpu_image *image) {
-  image_use(device, image, 0, image->layer_count, &use_read, false);
+  if (!image->borrowed)
+    image_use(device, image, 0, image->layer_count, &device->read, false);
 }
 
 /* ---- passes ---- */
@@ -320,10 +199,12 @@ void vulkan_make_readable(gpu_device *device, gpu_image *image) {
 void vulkan_pass_begin(gpu_device *device, gpu_target *target) {
   const vulkan_functions *vk = &device->vk;
   if (device->vertices_copied)
-    memory_barrier(device, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
-                   VK_PIPELINE_STAGE_VERTEX_INPUT_BIT, VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_INDEX_READ_BIT);
+    vulkan_memory_barrier(device, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
+                          VK_PIPELINE_STAGE_VERTEX_INPUT_BIT,
+                          VK_ACCESS_VERTEX_ATTRIBUTE_READ_BIT | VK_ACCESS_INDEX_READ_BIT);
   device->vertices_copied = false;
   device->vertices_drawn = true;
+  device->target = target;
   if (target->depth)
     image_use(device, target->depth, target->depth_layer, 1, &use_depth, false);
   if (target->color)
@@ -371,4 +252,11 @@ void vulkan_pass_draw(gpu_device *device, const gpu_draw *draw) {
   vk->CmdBindIndexBuffer(device->commands, draw->indices->handle, draw->index_offset,
                          draw->index_size == 2 ? VK_INDEX_TYPE_UINT16 : VK_INDEX_TYPE_UINT32);
   vk->CmdDrawIndexed(device->commands, draw->count, draw->instance_count, 0, 0, 0);
+}
+
+void vulkan_pass_native(gpu_device *device, gpu_native_pass *out) {
+  const gpu_image *depth = device->target->depth;
+  *out = (gpu_native_pass){.command_buffer = device->commands,
+                           .render_pass = (uint64_t)device->target->pass,
+                           .depth_format = depth ? (uint32_t)vulkan_format(depth->format) : VK_FORMAT_UNDEFINED};
 }

@@ -55,7 +55,8 @@ failed:
 void vulkan_buffer_destroy(gpu_device *device, gpu_buffer *buffer) {
   if (!buffer)
     return;
-  device->vk.DestroyBuffer(device->handle, buffer->handle, NULL);
+  if (!buffer->borrowed)
+    device->vk.DestroyBuffer(device->handle, buffer->handle, NULL);
   vulkan_memory_release(device, &buffer->memory);
   vulkan_release(device, buffer);
 }
@@ -133,6 +134,7 @@ csm_result vulkan_image_create(gpu_device *device, const gpu_image_info *info, g
   image->width = info->width;
   image->height = info->height;
   image->layer_count = info->layers;
+  image->sampled_layout = device->read.layout;
   image->before = image->layers + info->layers;
   image->aspect = info->format == GPU_FORMAT_D32_FLOAT ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
 
@@ -150,8 +152,10 @@ csm_result vulkan_image_create(gpu_device *device, const gpu_image_info *info, g
 void vulkan_image_destroy(gpu_device *device, gpu_image *image) {
   if (!image)
     return;
-  device->vk.DestroyImageView(device->handle, image->view, NULL);
-  device->vk.DestroyImage(device->handle, image->handle, NULL);
+  if (!image->borrowed) {
+    device->vk.DestroyImageView(device->handle, image->view, NULL);
+    device->vk.DestroyImage(device->handle, image->handle, NULL);
+  }
   vulkan_memory_release(device, &image->memory);
   vulkan_release(device, image);
 }
@@ -160,8 +164,16 @@ uint64_t vulkan_image_bytes(const gpu_image *image) {
   return image->memory.size;
 }
 
-uint64_t vulkan_image_native(const gpu_image *image) {
-  return (uint64_t)image->handle;
+void vulkan_image_native(const gpu_device *device, const gpu_image *image, gpu_native_image *out) {
+  *out = (gpu_native_image){.image = (uint64_t)image->handle,
+                            .view = (uint64_t)image->view,
+                            .sampler = (uint64_t)device->samplers[GPU_SAMPLER_COMPARE_LESS_EQUAL]};
+}
+
+void vulkan_image_describe(gpu_device *device, const gpu_image *image, uint64_t descriptor) {
+  (void)device;
+  (void)image;
+  (void)descriptor;
 }
 
 /* ---- targets ---- */

@@ -1,0 +1,138 @@
+/* describe.c: what a device is, and what it must be. */
+#include "internal.h"
+
+/* ---- requirements ---- */
+
+const char *vulkan_lacks(const gpu_device *device, VkPhysicalDevice physical,
+                         const VkPhysicalDeviceFeatures *features) {
+  VkPhysicalDeviceProperties properties;
+  device->vk.GetPhysicalDeviceProperties(physical, &properties);
+  if (properties.apiVersion < VK_API_VERSION_1_1)
+    return "Vulkan 1.1";
+  if (!features->depthClamp)
+    return "depthClamp";
+  VkFormatProperties depth;
+  const VkFormatFeatureFlags wanted =
+      VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT;
+  device->vk.GetPhysicalDeviceFormatProperties(physical, VK_FORMAT_D32_SFLOAT, &depth);
+  return (depth.optimalTilingFeatures & wanted) == wanted ? NULL : "D32_SFLOAT as a depth target and a texture";
+}
+
+VkQueueFlags vulkan_queue_flags(const gpu_device *device, VkPhysicalDevice physical, uint32_t family,
+                                uint32_t *timestamp_bits) {
+  VkQueueFamilyProperties families[16];
+  uint32_t count = sizeof families / sizeof *families;
+  device->vk.GetPhysicalDeviceQueueFamilyProperties(physical, &count, families);
+  if (family >= count)
+    return 0;
+  if (timestamp_bits)
+    *timestamp_bits = families[family].timestampValidBits;
+  return families[family].queueFlags;
+}
+
+/* ---- description ---- */
+
+static uint32_t device_type(VkPhysicalDeviceType type) {
+  switch (type) {
+  case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+    return CSM_DEVICE_INTEGRATED;
+  case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+    return CSM_DEVICE_DISCRETE;
+  case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+    return CSM_DEVICE_VIRTUAL;
+  case VK_PHYSICAL_DEVICE_TYPE_CPU:
+    return CSM_DEVICE_CPU;
+  default:
+    return CSM_DEVICE_OTHER;
+  }
+}
+
+static uint32_t minimum(uint32_t a, uint32_t b) {
+  return a < b ? a : b;
+}
+
+static uint64_t minimum64(uint64_t a, uint64_t b) {
+  return a < b ? a : b;
+}
+
+/* The largest images and memory: limits of the device and of its depth format. */
+static csm_result describe_sizes(gpu_device *device, const VkPhysicalDeviceLimits *limits, uint64_t max_allocation) {
+  VkImageFormatProperties depth;
+  const VkImageUsageFlags usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
+                                  VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+  const csm_result result = vulkan_check(
+      device,
+      device->vk.GetPhysicalDeviceImageFormatProperties(device->physical, VK_FORMAT_D32_SFLOAT, VK_IMAGE_TYPE_2D,
+                                                        VK_IMAGE_TILING_OPTIMAL, usage, 0, &depth),
+      "vkGetPhysicalDeviceImageFormatProperties");
+  if (result != CSM_SUCCESS)
+    return result;
+
+  device->vk.GetPhysicalDeviceMemoryProperties(device->physical, &device->memory);
+  const uint32_t type = vulkan_memory_type(device, UINT32_MAX, GPU_BUFFER_DEVICE);
+  device->image_heap = device->memory.memoryTypes[type].heapIndex;
+  device->max_stride = limits->maxVertexInputBindingStride;
+  gpu_device_info *info = &device->info;
+  info->memory_size = device->memory.memoryHeaps[device->image_heap].size;
+  info->max_allocation_size = minimum64(minimum64(max_allocation, info->memory_size), depth.maxResourceSize);
+  info->max_buffer_size = info->max_allocation_size;
+  info->max_image_layers = minimum(limits->maxImageArrayLayers, depth.maxArrayLayers);
+  uint32_t size = minimum(limits->maxImageDimension2D, minimum(depth.maxExtent.width, depth.maxExtent.height));
+  size = minimum(size, minimum(limits->maxFramebufferWidth, limits->maxFramebufferHeight));
+  info->max_image_size = minimum(size, minimum(limits->maxViewportDimensions[0], limits->maxViewportDimensions[1]));
+  return CSM_SUCCESS;
+}
+
+/* Images rest visible to the shaders that may sample them; a stage that the queue has not may not be named. */
+static void describe_queue(gpu_device *device, const VkPhysicalDeviceLimits *limits) {
+  uint32_t bits = 0;
+  const VkQueueFlags flags = vulkan_queue_flags(device, device->physical, device->queue_family, &bits);
+  device->timestamp_mask = bits == 0 ? 0 : UINT64_MAX >> (64 - bits);
+  device->timestamp_period_ns = limits->timestampPeriod;
+  device->read = (vulkan_use){.layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
+                              .stages = VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
+                              .access = VK_ACCESS_SHADER_READ_BIT};
+  if (flags & VK_QUEUE_COMPUTE_BIT)
+    device->read.stages |= VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
+}
+
+csm_result vulkan_describe_physical(gpu_device *device) {
+  VkPhysicalDeviceDriverProperties driver = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+  VkPhysicalDeviceMaintenance3Properties sizes = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,
+                                                  .pNext = device->driver_properties ? &driver : NULL};
+  VkPhysicalDeviceProperties2 all = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &sizes};
+  device->vk.GetPhysicalDeviceProperties2(device->physical, &all);
+
+  const VkPhysicalDeviceProperties *properties = &all.properties;
+  gpu_device_info *info = &device->info;
+  info->type = device_type(properties->deviceType);
+  info->required = "Vulkan 1.1 (instance and device); depthClamp; D32_SFLOAT as a depth target and a texture; a "
+                   "graphics queue";
+  info->optional = "VK_EXT_debug_utils: names and markers; VK_EXT_memory_budget: what memory is left; "
+                   "VK_KHR_driver_properties: the driver's name; timestamps on the queue: GPU times";
+  vulkan_text(info->name, sizeof info->name, "%s", properties->deviceName);
+  if (device->driver_properties)
+    vulkan_text(info->driver, sizeof info->driver, "%.120s %.120s", driver.driverName, driver.driverInfo);
+  else
+    vulkan_text(info->driver, sizeof info->driver, "version 0x%08x", properties->driverVersion);
+  describe_queue(device, &properties->limits);
+  return describe_sizes(device, &properties->limits, sizes.maxMemoryAllocationSize);
+}
+
+void vulkan_describe(const gpu_device *device, gpu_device_info *out) {
+  *out = device->info;
+}
+
+/* ---- the budget ---- */
+
+uint64_t vulkan_memory_available(gpu_device *device) {
+  if (!device->memory_budget)
+    return UINT64_MAX;
+  VkPhysicalDeviceMemoryBudgetPropertiesEXT budget = {
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_BUDGET_PROPERTIES_EXT};
+  VkPhysicalDeviceMemoryProperties2 memory = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_PROPERTIES_2,
+                                              .pNext = &budget};
+  device->vk.GetPhysicalDeviceMemoryProperties2(device->physical, &memory);
+  const uint64_t most = budget.heapBudget[device->image_heap], used = budget.heapUsage[device->image_heap];
+  return most > used ? most - used : 0;
+}

@@ -1,0 +1,191 @@
+/* engine.c: an engine's device, and its images and buffers. They are used, never owned. */
+#include "internal.h"
+
+#include "../../api/structs.h"
+#include "csm/csm_vulkan.h"
+
+#include <string.h>
+
+/* ---- the device ---- */
+
+static csm_result read_struct(gpu_device *device, const char *name, void *out, uint32_t size, const void *native) {
+  const csm_result result = struct_read(out, size, native);
+  if (result == CSM_SUCCESS)
+    return result;
+  return vulkan_fail(device, result, "%s: its struct_size is of no version, or its unknown tail is not zero", name);
+}
+
+static bool has_extension(const csm_vulkan_device *native, const char *name) {
+  for (uint32_t i = 0; i < native->extension_count; i++)
+    if (strcmp(native->extensions[i], name) == 0)
+      return true;
+  return false;
+}
+
+/* What can be said without calling Vulkan. */
+static csm_result check_native(const gpu_device *device, const csm_vulkan_device *native) {
+  const char *missing = !native->instance                                ? "instance"
+                        : !native->physical_device                       ? "physical_device"
+                        : !native->device                                ? "device"
+                        : !native->get_instance_proc_addr                ? "get_instance_proc_addr"
+                        : native->extension_count && !native->extensions ? "extensions"
+                                                                         : NULL;
+  for (uint32_t i = 0; !missing && i < native->extension_count; i++)
+    if (!native->extensions[i])
+      missing = "an element of extensions";
+  if (missing)
+    return vulkan_fail(device, CSM_ERROR_NULL_POINTER, "csm_vulkan_device: %s is NULL", missing);
+  if (native->reserved || native->reserved2)
+    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_device: reserved is not 0");
+  if (native->api_version < VK_API_VERSION_1_1)
+    return vulkan_fail(device, CSM_ERROR_UNSUPPORTED, "csm_vulkan_device: api_version is below Vulkan 1.1");
+  return CSM_SUCCESS;
+}
+
+static csm_result check_capable(const gpu_device *device, const csm_vulkan_device *native) {
+  const VkPhysicalDeviceFeatures none = {0};
+  const char *lacks = vulkan_lacks(device, native->physical_device, native->features ? native->features : &none);
+  const VkQueueFlags queue = vulkan_queue_flags(device, native->physical_device, native->queue_family, NULL);
+  if (!lacks && !(queue & VK_QUEUE_GRAPHICS_BIT))
+    lacks = "graphics in queue_family";
+  return lacks ? vulkan_fail(device, CSM_ERROR_UNSUPPORTED, "csm_vulkan_device: the device lacks %s", lacks)
+               : CSM_SUCCESS;
+}
+
+csm_result vulkan_engine_take(gpu_device *device, const void *native_device) {
+  csm_vulkan_device native;
+  csm_result result = read_struct(device, "csm_vulkan_device", &native, sizeof native, native_device);
+  if (result == CSM_SUCCESS)
+    result = check_native(device, &native);
+  if (result != CSM_SUCCESS)
+    return result;
+  device->vk.GetInstanceProcAddr = native.get_instance_proc_addr;
+  if (!vulkan_load_instance(&device->vk, native.instance, false))
+    return vulkan_fail(device, CSM_ERROR_UNSUPPORTED, "csm_vulkan_device: the instance lacks functions of Vulkan 1.1");
+  result = check_capable(device, &native);
+  if (result != CSM_SUCCESS)
+    return result;
+  device->instance = native.instance;
+  device->physical = native.physical_device;
+  device->handle = native.device;
+  device->queue_family = native.queue_family;
+  device->debug = vulkan_load_debug(&device->vk, native.instance, false); /* nothing where it is not enabled */
+  device->driver_properties = has_extension(&native, VK_KHR_DRIVER_PROPERTIES_EXTENSION_NAME);
+  device->memory_budget = has_extension(&native, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
+  return CSM_SUCCESS;
+}
+
+/* ---- images ---- */
+
+/* Floats and signed normalised integers are as shaders want normals; unsigned ones lie in [0,1]. */
+static bool sampled_format(uint32_t format, bool *unorm) {
+  switch (format) {
+  case VK_FORMAT_R8G8B8A8_UNORM:
+  case VK_FORMAT_B8G8R8A8_UNORM:
+  case VK_FORMAT_A8B8G8R8_UNORM_PACK32:
+  case VK_FORMAT_A2R10G10B10_UNORM_PACK32:
+  case VK_FORMAT_A2B10G10R10_UNORM_PACK32:
+  case VK_FORMAT_R16G16B16A16_UNORM:
+  case VK_FORMAT_D16_UNORM:
+  case VK_FORMAT_D16_UNORM_S8_UINT:
+  case VK_FORMAT_X8_D24_UNORM_PACK32:
+  case VK_FORMAT_D24_UNORM_S8_UINT:
+    *unorm = true;
+    return true;
+  case VK_FORMAT_R8G8B8A8_SNORM:
+  case VK_FORMAT_B8G8R8A8_SNORM:
+  case VK_FORMAT_A8B8G8R8_SNORM_PACK32:
+  case VK_FORMAT_A2R10G10B10_SNORM_PACK32:
+  case VK_FORMAT_A2B10G10R10_SNORM_PACK32:
+  case VK_FORMAT_R16G16B16A16_SNORM:
+  case VK_FORMAT_R16G16B16_SFLOAT:
+  case VK_FORMAT_R16G16B16A16_SFLOAT:
+  case VK_FORMAT_R32_SFLOAT:
+  case VK_FORMAT_R32G32B32_SFLOAT:
+  case VK_FORMAT_R32G32B32A32_SFLOAT:
+  case VK_FORMAT_D32_SFLOAT:
+  case VK_FORMAT_D32_SFLOAT_S8_UINT:
+    *unorm = false;
+    return true;
+  default:
+    return false;
+  }
+}
+
+csm_result vulkan_image_import(gpu_device *device, const void *native_image, gpu_image **out, bool *unorm) {
+  *out = NULL;
+  csm_vulkan_image native;
+  const csm_result result = read_struct(device, "csm_vulkan_image", &native, sizeof native, native_image);
+  if (result != CSM_SUCCESS)
+    return result;
+  if (!native.view)
+    return vulkan_fail(device, CSM_ERROR_NULL_POINTER, "csm_vulkan_image: view is NULL");
+  if (native.layout != VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL &&
+      native.layout != VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL && native.layout != VK_IMAGE_LAYOUT_GENERAL)
+    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_image: layout %u is none that shaders read in",
+                       native.layout);
+  if (!sampled_format(native.format, unorm))
+    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_image: format %u is of no depth or normals",
+                       native.format);
+  if (!native.width || !native.height || native.reserved)
+    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_image: %s",
+                       native.reserved ? "reserved is not 0" : "a size of 0");
+  gpu_image *image = vulkan_allocate(device, sizeof *image);
+  if (!image)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  image->borrowed = true;
+  image->view = native.view;
+  image->sampled_layout = (VkImageLayout)native.layout;
+  image->width = native.width;
+  image->height = native.height;
+  *out = image;
+  return CSM_SUCCESS;
+}
+
+/* ---- buffers ---- */
+
+static gpu_buffer *borrow_buffer(gpu_device *device, VkBuffer handle) {
+  gpu_buffer *buffer = vulkan_allocate(device, sizeof *buffer);
+  if (!buffer)
+    return NULL;
+  buffer->borrowed = true;
+  buffer->handle = handle;
+  return buffer;
+}
+
+static csm_result check_mesh(const gpu_device *device, const csm_vulkan_mesh *native) {
+  if (!native->vertices || !native->indices)
+    return vulkan_fail(device, CSM_ERROR_NULL_POINTER, "csm_vulkan_mesh: %s is NULL",
+                       native->vertices ? "indices" : "vertices");
+  if (native->vertex_stride % 4 || native->vertex_stride < 12 || native->vertex_stride > device->max_stride)
+    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE,
+                       "csm_vulkan_mesh: a vertex_stride of %u, which is no multiple of 4 from 12 to %u",
+                       native->vertex_stride, device->max_stride);
+  if (native->vertex_offset % 4 || native->index_offset % 4)
+    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_mesh: an offset is no multiple of 4");
+  return CSM_SUCCESS;
+}
+
+csm_result vulkan_geometry_import(gpu_device *device, const void *native_mesh, gpu_geometry *out) {
+  *out = (gpu_geometry){0};
+  csm_vulkan_mesh native;
+  csm_result result = read_struct(device, "csm_vulkan_mesh", &native, sizeof native, native_mesh);
+  if (result == CSM_SUCCESS)
+    result = check_mesh(device, &native);
+  if (result != CSM_SUCCESS)
+    return result;
+  gpu_buffer *vertices = borrow_buffer(device, native.vertices);
+  gpu_buffer *indices = native.indices == native.vertices ? vertices : borrow_buffer(device, native.indices);
+  if (!vertices || !indices) {
+    if (indices != vertices)
+      vulkan_buffer_destroy(device, indices);
+    vulkan_buffer_destroy(device, vertices);
+    return CSM_ERROR_OUT_OF_MEMORY;
+  }
+  *out = (gpu_geometry){.vertices = vertices,
+                        .indices = indices,
+                        .vertex_offset = native.vertex_offset,
+                        .index_offset = native.index_offset,
+                        .vertex_stride = native.vertex_stride};
+  return CSM_SUCCESS;
+}
