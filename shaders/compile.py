@@ -2,14 +2,16 @@
 """Compiles the shaders: one HLSL source each, SPIR-V for Vulkan and DXBC for Direct3D 12.
 
   compile.py embed OUT_C OUT_H GLSLANG SPIRV_VAL SHADER...   build: SPIR-V made now, DXBC as committed, both as C
-  compile.py dxbc VKD3D_COMPILER                             makes dxbc/ and its MANIFEST anew, for ./dev shaders
-  compile.py check [FOLDER]                                  fails where HLSL, dxbc/ and MANIFEST do not belong together
+  compile.py dxbc VKD3D_COMPILER FOLDER...                   makes FOLDER/dxbc and its MANIFEST anew, for ./dev shaders
+  compile.py check FOLDER                                    fails where HLSL, dxbc/ and MANIFEST do not belong together
 
 A shader is NAME.STAGE.hlsl, STAGE being vs, ps or cs, with `main` as its entry. Includes are pasted in here, looked up
-beside the including file and then in this folder, so that both compilers get the same text, whatever their own rules.
+beside the including file, in the shader's folder, then in the include/ beside this script, so that both compilers get the
+same text, whatever their own rules.
 MANIFEST has a line for each shader: its name, the SHA-256 of that text, and the SHA-256 of its DXBC.
 """
 import hashlib
+import os
 import pathlib
 import re
 import subprocess
@@ -28,14 +30,14 @@ def flatten(path, root, marked=False, open_files=()):
     """The text of a shader with its includes pasted in; `marked` with #line, which vkd3d's compiler does not take."""
     if path in open_files:
         sys.exit(f"{path}: includes itself")
-    mark = (lambda number: [f'#line {number} "{path.relative_to(root)}"']) if marked else (lambda number: [])
+    mark = (lambda number: [f'#line {number} "{os.path.relpath(path, root)}"']) if marked else (lambda number: [])
     lines = mark(1)
     for number, line in enumerate(path.read_text().splitlines(), 1):
         include = INCLUDE.match(line)
         if not include:
             lines.append(line)
             continue
-        found = next((p for p in (path.parent / include[1], root / include[1]) if p.is_file()), None)
+        found = next((f / include[1] for f in (path.parent, root, HERE / "include") if (f / include[1]).is_file()), None)
         if not found:
             sys.exit(f"{path}:{number}: there is no {include[1]}")
         lines.append(flatten(found.resolve(), root, marked, open_files + (path,)))
@@ -80,9 +82,10 @@ def words(name, code):
 
 
 def embed(out_c, out_h, glslang, spirv_val, *paths):
-    header = ["/* Made by shaders/compile.py. */", "#ifndef SHADER_CODE_H", "#define SHADER_CODE_H", "",
-              '#include "gpu.h"', ""]
-    source = ["/* Made by shaders/compile.py. */", '#include "shader_code.h"', ""]
+    header_name = pathlib.Path(out_h).name
+    guard = header_name.replace(".", "_").upper()
+    header = ["/* Made by shaders/compile.py. */", f"#ifndef {guard}", f"#define {guard}", "", '#include "gpu.h"', ""]
+    source = ["/* Made by shaders/compile.py. */", f'#include "{header_name}"', ""]
     with tempfile.TemporaryDirectory() as folder:
         for path in (pathlib.Path(p).resolve() for p in paths):
             name = path.name.removesuffix(".hlsl")
@@ -99,13 +102,18 @@ def embed(out_c, out_h, glslang, spirv_val, *paths):
     pathlib.Path(out_c).write_text("\n".join(source))
 
 
-def dxbc(compiler):
-    folder = HERE / "dxbc"
+def dxbc(compiler, *roots):
+    for root in (pathlib.Path(r).resolve() for r in roots):
+        make_dxbc(compiler, root)
+
+
+def make_dxbc(compiler, root):
+    folder = root / "dxbc"
     folder.mkdir(exist_ok=True)
     manifest = []
     with tempfile.TemporaryDirectory() as scratch:
-        for name, path in shaders(HERE).items():
-            text = flatten(path, HERE)
+        for name, path in shaders(root).items():
+            text = flatten(path, root)
             source = pathlib.Path(scratch) / f"{name}.hlsl"
             source.write_text(text)
             blob = folder / f"{name}.dxbc"
@@ -114,12 +122,12 @@ def dxbc(compiler):
             manifest.append(f"{name} {digest(text.encode())} {digest(blob.read_bytes())}\n")
             print(f"{blob.relative_to(HERE.parent)}: {blob.stat().st_size} bytes")
     for blob in folder.glob("*.dxbc"):
-        if blob.stem not in shaders(HERE):
+        if blob.stem not in shaders(root):
             blob.unlink()
     (folder / "MANIFEST").write_text("".join(manifest))
 
 
-def check(folder=HERE):
+def check(folder):
     """Says what has drifted apart, and how to mend it."""
     root = pathlib.Path(folder).resolve()
     recorded = {}
@@ -137,7 +145,7 @@ def check(folder=HERE):
         elif digest(blob.read_bytes()) != recorded[name][1]:
             wrong.append(f"{name}: the DXBC is not the one in MANIFEST")
     if wrong:
-        sys.exit("\n".join(sorted(wrong)) + "\nRun ./dev shaders and commit shaders/dxbc.")
+        sys.exit("\n".join(sorted(wrong)) + f"\nRun ./dev shaders and commit {root.name}/dxbc.")
     print(f"{len(present)} shaders: HLSL, DXBC and MANIFEST belong together")
 
 

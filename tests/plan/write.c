@@ -81,6 +81,7 @@ static void constants_agree_with_the_plan(void **state) {
     assert_true(c[CSM_C_PARAMS * 4] == (float)count && c[CSM_C_PARAMS * 4 + 1] == (float)config.resolution);
     assert_true(c[CSM_C_PARAMS * 4 + 2] == (float)(1.0 / config.resolution));
     assert_true(c[CSM_C_PARAMS * 4 + 3] == (float)frame.cascades[count - 1].info.far_depth);
+    assert_true(c[CSM_C_FILTER * 4 + 3] == (config.filter == CSM_FILTER_PCF_3X3 ? 3.0f : 1.0f));
     assert_true(c[CSM_C_BIAS * 4] == (float)config.bias_constant_texels);
     assert_true(c[CSM_C_BIAS * 4 + 3] == (float)config.bias_normal_texels);
     for (uint32_t axis = 0; axis < 9; ++axis)

@@ -1,0 +1,42 @@
+// csm_sample.glsl: visibility of the light at a point, from the cascades' maps, for an engine's GLSL (4.50). Any stage.
+//
+//   layout(binding = 0) uniform shadows { vec4 csm_c[CSM_C_COUNT]; };  // csm_binding.constants; std140
+//   layout(binding = 1) uniform sampler2DArrayShadow csm_maps;         // the maps with the sampler
+//   #include "csm_sample.glsl"
+//   ... csm_visibility(position - origin, normal, view_depth)
+//
+// csm_constants.h, which this includes, may be included before them. Names are the includer's choice; define, before:
+//   CSM_CONSTANTS    what is indexed for a vec4 of the block (csm_c)
+//   CSM_MAPS         the maps (csm_maps)
+//   CSM_SAMPLER      a samplerShadow, where CSM_MAPS is a texture2DArray without one
+//   CSM_COMPARE(uv, layer, reference)   the comparison itself, instead of the two before
+//   CSM_FILTER_TAPS  1 (hardware 2x2) or 3 (3x3): fixes the filter; if not defined, it is as configured
+#ifndef CSM_SAMPLE_GLSL
+#define CSM_SAMPLE_GLSL
+
+#include "csm_constants.h"
+
+#ifndef CSM_CONSTANTS
+#define CSM_CONSTANTS csm_c
+#endif
+#ifndef CSM_MAPS
+#define CSM_MAPS csm_maps
+#endif
+#ifdef CSM_SAMPLER
+#define CSM_SHADOWS sampler2DArrayShadow(CSM_MAPS, CSM_SAMPLER)
+#else
+#define CSM_SHADOWS CSM_MAPS
+#endif
+// Core GLSL has no textureLod of an array with comparison; without gradients this is level 0, in branches too.
+#ifndef CSM_COMPARE
+#define CSM_COMPARE(uv, layer, reference) textureGrad(CSM_SHADOWS, vec4(uv, layer, reference), vec2(0.0), vec2(0.0))
+#endif
+#define csm_float2 vec2
+#define csm_float3 vec3
+#define csm_float4 vec4
+#define csm_mad fma
+#define CSM_UNROLL
+
+#include "csm_sample.inc"
+
+#endif

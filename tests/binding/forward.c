@@ -1,0 +1,420 @@
+/*
+ * forward.c: what shaders/include gives in an engine's forward shader is what the mask says, on one backend.
+ *
+ *   forward BACKEND
+ *
+ * BACKEND is a backend's library. A camera sees nothing but a plane, so a shader can tell each pixel's position without
+ * the camera's depth; boxes above the view cast on it. Exits with 0 if all holds, else with 1 and what does not.
+ */
+#include "csm_constants.h"
+#include "forward_code.h"
+#include "forward_glsl.h"
+#include "loader.h"
+#include "passes/passes.h"
+#include "plan/plan.h"
+#include "shader_code.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WIDTH = 1024, HEIGHT = 512, PIXELS = WIDTH * HEIGHT, BOXES = 40, CASCADES = 3, RESOLUTION = 512 };
+enum { LANGUAGES = 2, PICTURES = 1 + LANGUAGES }; /* the mask; forward by HLSL, by GLSL */
+/* Where things lie in the upload buffer */
+enum {
+  AT_GEOMETRY = 0,
+  GEOMETRY_BYTES = 1024,
+  AT_PLANE = GEOMETRY_BYTES,
+  AT_BLOCKS = AT_PLANE + 256,
+  AT_VIEW = AT_BLOCKS + MASK_BLOCKS,
+  AT_MATRICES = AT_VIEW + 4096,
+  MATRICES_BYTES = 4096,
+  UPLOAD_BYTES = AT_MATRICES + CASCADES * MATRICES_BYTES,
+};
+_Static_assert((BOXES + 1) * PASS_CAMERA_ROWS * 16 <= 4096, "matrices fit");
+/* and in the geometry */
+enum { AT_BOX = 64, AT_SQUARE_INDICES = 256, AT_BOX_INDICES = 512 };
+
+/* So far out that only positions relative to the constants' origin can be right. */
+static const double base[3] = {3e5, 2e4, -7e5};
+static const double eye[3] = {3e5 + 2, 2e4 + 8, -7e5 + 4};
+
+static const float square[4][3] = {{-1, 0, -1}, {1, 0, -1}, {1, 0, 1}, {-1, 0, 1}};
+static const uint16_t square_indices[6] = {0, 2, 1, 0, 3, 2};
+static const float box[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
+                                {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
+static const uint16_t box_indices[36] = {0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4,
+                                         3, 7, 6, 3, 6, 2, 0, 4, 7, 0, 7, 3, 1, 2, 6, 1, 6, 5};
+
+typedef struct bench {
+  pass_gpu gpu;
+  uint32_t failures;
+  gpu_buffer *upload, *geometry, *readback;
+  gpu_image *maps, *depth, *pictures[PICTURES];
+  gpu_target *map_targets[CASCADES], *depth_target, *picture_targets[PICTURES];
+  gpu_program *cascade_depth, *camera_depth, *mask[2], *forward[LANGUAGES];
+  gpu_bindings *mask_bindings, *forward_bindings[LANGUAGES];
+  plan_instance instances[BOXES + 1];
+  plan_scene scene;
+  plan_frame frame;
+  plan_list view;
+  void *frame_memory, *view_memory;
+} bench;
+
+static bool check(bench *b, bool holds, const char *what) {
+  if (!holds) {
+    b->failures++;
+    fprintf(stderr, "does not hold: %s\n", what);
+  }
+  return holds;
+}
+
+/* ---- the host's side ---- */
+
+static void *CSM_CALL allocate(void *user, size_t size, size_t alignment) {
+  (void)user;
+  return aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+}
+
+static void CSM_CALL release(void *user, void *memory) {
+  (void)user;
+  free(memory);
+}
+
+static void CSM_CALL message(void *user, int32_t level, const char *text) {
+  bench *b = user;
+  b->failures += level <= CSM_LOG_WARNING;
+  fprintf(stderr, "log %d: %s\n", level, text);
+}
+
+/* ---- scene and camera ---- */
+
+static double between(uint32_t *random, double low, double high) {
+  *random = *random * 1664525u + 1013904223u;
+  return low + (high - low) * (double)(*random >> 8) / 16777216.0;
+}
+
+static plan_instance place(uint32_t mesh, const double at[3], double sx, double sy, double sz) {
+  return (plan_instance){
+      .mesh = mesh, .transform = {sx, 0, 0, base[0] + at[0], 0, sy, 0, base[1] + at[1], 0, 0, sz, base[2] + at[2]}};
+}
+
+static void make_scene(bench *b) {
+  static const plan_bounds bounds[2] = {{.extent = {1, 0, 1}}, {.extent = {1, 1, 1}}};
+  uint32_t random = 1;
+  b->instances[0] = place(0, (const double[]){0, 0, 0}, 200, 1, 200);
+  for (uint32_t i = 1; i <= BOXES; ++i) {
+    const double at[3] = {between(&random, -25, 15), between(&random, 10, 16), between(&random, -50, 0)};
+    b->instances[i] = place(1, at, between(&random, 0.1, 1.5), between(&random, 0.1, 1.0), between(&random, 0.1, 1.5));
+  }
+  b->scene = (plan_scene){b->instances, BOXES + 1, bounds, 2};
+}
+
+/* Looks along -z, 35 degrees down; reversed-Z, without a far plane. */
+static void make_camera(double view[16], double projection[16]) {
+  const double down = 35 * 0.017453292519943295, c = cos(down), s = sin(down);
+  const double rows[3][3] = {{1, 0, 0}, {0, c, -s}, {0, s, c}};
+  memset(view, 0, 16 * sizeof *view);
+  for (int row = 0; row < 3; ++row)
+    for (int k = 0; k < 3; ++k) {
+      view[k * 4 + row] = rows[row][k];
+      view[12 + row] -= rows[row][k] * eye[k];
+    }
+  view[15] = 1;
+  memset(projection, 0, 16 * sizeof *projection);
+  projection[5] = 1 / tan(25 * 0.017453292519943295);
+  projection[0] = projection[5] * HEIGHT / WIDTH;
+  projection[11] = -1;
+  projection[14] = 0.5;
+}
+
+/*
+ * The plane y = base[1] seen at a pixel: along the ray d it is d * k / (n . d), n being up and k the plane's distance,
+ * and d is affine in the pixel's coordinates.
+ */
+static void write_plane(float out[16], const double view[16], const double projection[16]) {
+  const double k = base[1] - eye[1];
+  const double at[3][3] = {{-1 / projection[0], 1 / projection[5], -1},
+                           {2.0 / WIDTH / projection[0], 0, 0},
+                           {0, -2.0 / HEIGHT / projection[5], 0}};
+  for (int i = 0; i < 3; ++i) {
+    double d[3];
+    for (int axis = 0; axis < 3; ++axis)
+      d[axis] = view[axis * 4] * at[i][0] + view[axis * 4 + 1] * at[i][1] + view[axis * 4 + 2] * at[i][2];
+    for (int axis = 0; axis < 3; ++axis)
+      out[i * 4 + axis] = (float)(d[axis] * k);
+    out[i * 4 + 3] = (float)d[1];
+  }
+  memcpy(&out[12], (const float[]){0, 1, 0, 0}, 16);
+}
+
+static bool make_plan(bench *b, uint32_t filter) {
+  csm_config config = {.struct_size = sizeof config};
+  plan_config_default(&config);
+  config.cascade_count = CASCADES;
+  config.resolution = RESOLUTION;
+  config.shadow_distance = 40;
+  config.filter = filter;
+  double view[16], projection[16];
+  const char *error = "";
+  make_camera(view, projection);
+  if (plan_frame_make(&b->frame, &config, view, projection, (const double[]){0.4, -1, 0.25}, &b->scene, b->frame_memory,
+                      &error))
+    return check(b, false, error);
+  plan_view_make(&b->view, &b->frame.camera, &b->scene, b->view_memory);
+  check(b, b->view.instance_count == 1, "the camera sees the plane alone");
+
+  char *upload = b->gpu.api->buffer_memory(b->upload);
+  write_plane((float *)(upload + AT_PLANE), view, projection);
+  plan_write_constants((float *)(upload + AT_BLOCKS), &b->frame, &config);
+  plan_write_mask_constants((float *)(upload + AT_BLOCKS + MASK_CASCADES_BLOCK), &b->frame, &b->frame.camera, WIDTH,
+                            HEIGHT, false);
+  plan_write_view_matrices((float *)(upload + AT_VIEW), &b->view, &b->frame.camera, &b->scene);
+  for (uint32_t i = 0; i < CASCADES; ++i)
+    plan_write_cascade_matrices((float *)(upload + AT_MATRICES + i * MATRICES_BYTES), &b->frame, i, &b->scene);
+  return true;
+}
+
+/* ---- objects ---- */
+
+static csm_result make_buffers(bench *b) {
+  const gpu_backend *api = b->gpu.api;
+  const gpu_buffer_info infos[] = {{"upload", GPU_BUFFER_UPLOAD, UPLOAD_BYTES},
+                                   {"geometry", GPU_BUFFER_DEVICE, GEOMETRY_BYTES},
+                                   {"readback", GPU_BUFFER_READBACK, PICTURES * PIXELS}};
+  gpu_buffer **buffers[] = {&b->upload, &b->geometry, &b->readback};
+  for (uint32_t i = 0; i < 3; ++i)
+    if (api->buffer_create(b->gpu.device, &infos[i], buffers[i]))
+      return CSM_ERROR_DEVICE;
+  char *upload = api->buffer_memory(b->upload);
+  memcpy(upload, square, sizeof square);
+  memcpy(upload + AT_BOX, box, sizeof box);
+  memcpy(upload + AT_SQUARE_INDICES, square_indices, sizeof square_indices);
+  memcpy(upload + AT_BOX_INDICES, box_indices, sizeof box_indices);
+  return CSM_SUCCESS;
+}
+
+static csm_result make_images(bench *b) {
+  const gpu_backend *api = b->gpu.api;
+  gpu_device *device = b->gpu.device;
+  const uint32_t read = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED, copy = read | GPU_IMAGE_COPY_SOURCE;
+  csm_result result = api->image_create(
+      device, &(gpu_image_info){"maps", GPU_FORMAT_D32_FLOAT, read, RESOLUTION, RESOLUTION, CASCADES, true}, &b->maps);
+  for (uint32_t i = 0; i < CASCADES && !result; ++i)
+    result = api->target_create(device, &(gpu_target_info){.name = "map", .depth = b->maps, .depth_layer = i},
+                                &b->map_targets[i]);
+  if (!result)
+    result = api->image_create(device, &(gpu_image_info){"depth", GPU_FORMAT_D32_FLOAT, read, WIDTH, HEIGHT, 1, false},
+                               &b->depth);
+  if (!result)
+    result = api->target_create(device, &(gpu_target_info){.name = "depth", .depth = b->depth}, &b->depth_target);
+  for (uint32_t i = 0; i < PICTURES && !result; ++i) {
+    result = api->image_create(device, &(gpu_image_info){"picture", GPU_FORMAT_R8_UNORM, copy, WIDTH, HEIGHT, 1, false},
+                               &b->pictures[i]);
+    if (!result)
+      result = api->target_create(device, &(gpu_target_info){.name = "picture", .color = b->pictures[i]},
+                                  &b->picture_targets[i]);
+  }
+  return result;
+}
+
+/* GLSL is for Vulkan only: *out stays NULL elsewhere. */
+static csm_result make_forward(bench *b, uint32_t language, gpu_program **out) {
+  const gpu_code glsl = {.spirv = forward_glsl, .spirv_size = sizeof forward_glsl};
+  const bool vulkan = strcmp(b->gpu.api->name, "vulkan") == 0;
+  if (language && !vulkan)
+    return CSM_SUCCESS;
+  const gpu_program_info info = {
+      .name = language ? "forward, GLSL" : "forward, HLSL",
+      .vertex = shader_screen_vs,
+      .pixel = language ? glsl : shader_forward_ps,
+      .constants_count = 2,
+      .constants_sizes = {MASK_CASCADES_BLOCK, 64},
+      .texture_count = 1,
+      .sampler_count = 1,
+      .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL},
+      .color_format = GPU_FORMAT_R8_UNORM,
+      .cull = GPU_CULL_NONE,
+  };
+  const csm_result result = b->gpu.api->program_create(b->gpu.device, &info, out);
+  if (result)
+    return result;
+  const gpu_bindings_info inputs = {
+      .name = "forward", .program = *out, .constants = {b->upload, b->upload}, .textures = {b->maps}};
+  return b->gpu.api->bindings_create(b->gpu.device, &inputs, &b->forward_bindings[language]);
+}
+
+static csm_result make_programs(bench *b) {
+  csm_result result = cascade_depth_program(b->gpu, 12, &b->cascade_depth);
+  if (!result)
+    result = camera_depth_program(b->gpu, true, 12, &b->camera_depth);
+  for (uint32_t filter = 0; filter < 2 && !result; ++filter)
+    result = mask_program(b->gpu, filter, false, &b->mask[filter]);
+  if (!result) {
+    const gpu_bindings_info inputs = mask_inputs(b->mask[0], b->upload, b->maps, b->depth, NULL);
+    result = b->gpu.api->bindings_create(b->gpu.device, &inputs, &b->mask_bindings);
+  }
+  for (uint32_t language = 0; language < LANGUAGES && !result; ++language)
+    result = make_forward(b, language, &b->forward[language]);
+  return result;
+}
+
+static void free_objects(bench *b) {
+  const gpu_backend *api = b->gpu.api;
+  gpu_device *device = b->gpu.device;
+  gpu_bindings *bindings[] = {b->mask_bindings, b->forward_bindings[0], b->forward_bindings[1]};
+  for (uint32_t i = 0; i < 3; ++i)
+    api->bindings_destroy(device, bindings[i]);
+  gpu_program *programs[] = {b->cascade_depth, b->camera_depth, b->mask[0], b->mask[1], b->forward[0], b->forward[1]};
+  for (uint32_t i = 0; i < sizeof programs / sizeof *programs; ++i)
+    api->program_destroy(device, programs[i]);
+  for (uint32_t i = 0; i < CASCADES; ++i)
+    api->target_destroy(device, b->map_targets[i]);
+  api->target_destroy(device, b->depth_target);
+  for (uint32_t i = 0; i < PICTURES; ++i) {
+    api->target_destroy(device, b->picture_targets[i]);
+    api->image_destroy(device, b->pictures[i]);
+  }
+  api->image_destroy(device, b->maps);
+  api->image_destroy(device, b->depth);
+  api->buffer_destroy(device, b->upload);
+  api->buffer_destroy(device, b->geometry);
+  api->buffer_destroy(device, b->readback);
+}
+
+/* ---- drawing ---- */
+
+static void record_forward(bench *b, uint32_t language) {
+  const gpu_backend *api = b->gpu.api;
+  if (!b->forward[language])
+    return;
+  api->pass_begin(b->gpu.device, b->picture_targets[1 + language]);
+  api->pass_program(b->gpu.device, b->forward[language]);
+  api->pass_bind(b->gpu.device, b->forward_bindings[language], (const uint32_t[]){AT_BLOCKS, AT_PLANE});
+  api->pass_draw(b->gpu.device, &(gpu_draw){.count = 3, .instance_count = 1});
+  api->pass_end(b->gpu.device);
+  api->copy_image(b->gpu.device, b->readback, (uint64_t)(1 + language) * PIXELS, WIDTH, b->pictures[1 + language], 0);
+}
+
+static csm_result draw(bench *b, uint32_t filter) {
+  const gpu_backend *api = b->gpu.api;
+  gpu_device *device = b->gpu.device;
+  const csm_result result = api->begin(device, &(gpu_record_info){.slot = 0, .first = true});
+  if (result)
+    return result;
+  api->copy_buffer(device, b->geometry, 0, b->upload, AT_GEOMETRY, GEOMETRY_BYTES);
+  const pass_mesh meshes[2] = {
+      {b->geometry, b->geometry, 0, AT_SQUARE_INDICES, 6, 2, 0},
+      {b->geometry, b->geometry, AT_BOX, AT_BOX_INDICES, 36, 2, 0},
+  };
+  cascade_depth_pass maps = {.programs = &b->cascade_depth,
+                             .maps = b->maps,
+                             .targets = b->map_targets,
+                             .plan = &b->frame,
+                             .meshes = meshes,
+                             .matrices = b->upload};
+  for (uint32_t i = 0; i < CASCADES; ++i)
+    maps.matrices_offsets[i] = AT_MATRICES + i * MATRICES_BYTES;
+  cascade_depth_record(b->gpu, &maps);
+  camera_depth_record(b->gpu, &(camera_depth_pass){.programs = &b->camera_depth,
+                                                   .depth = b->depth,
+                                                   .target = b->depth_target,
+                                                   .reversed = true,
+                                                   .list = &b->view,
+                                                   .meshes = meshes,
+                                                   .matrices = b->upload,
+                                                   .matrices_offset = AT_VIEW});
+  mask_record(b->gpu, &(mask_pass){.program = b->mask[filter],
+                                   .bindings = b->mask_bindings,
+                                   .target = b->picture_targets[0],
+                                   .constants_offset = AT_BLOCKS});
+  api->copy_image(device, b->readback, 0, WIDTH, b->pictures[0], 0);
+  for (uint32_t language = 0; language < LANGUAGES; ++language)
+    record_forward(b, language);
+  const csm_result ended = api->end(device);
+  return ended ? ended : api->wait(device, 0);
+}
+
+/* ---- comparing ---- */
+
+static uint32_t differing(const uint8_t *a, const uint8_t *b, int more_than, int *largest) {
+  uint32_t count = 0;
+  *largest = 0;
+  for (uint32_t i = 0; i < PIXELS; ++i) {
+    const int apart = abs((int)a[i] - (int)b[i]);
+    count += apart > more_than;
+    *largest = apart > *largest ? apart : *largest;
+  }
+  return count;
+}
+
+/* The contract's tolerance: 1/255 on all but 0.01 % of the pixels. */
+static void compare_forward(bench *b, uint32_t filter, uint32_t language) {
+  if (!b->forward[language])
+    return;
+  const uint8_t *mask = b->gpu.api->buffer_memory(b->readback);
+  int largest;
+  const uint8_t *picture = mask + (1 + (size_t)language) * PIXELS;
+  const uint32_t any = differing(mask, picture, 0, &largest), wrong = differing(mask, picture, 1, &largest);
+  printf("%s, filter %u, %s: %u pixels differ, %u by more than 1/255, at most %d/255\n", b->gpu.api->name, filter,
+         language ? "GLSL" : "HLSL", any, wrong, largest);
+  check(b, wrong <= PIXELS / 10000, "forward is within 1/255 of the mask on all but 0.01 % of the pixels");
+}
+
+/* There is something to compare: lit, shadowed and between. */
+static void check_mask(bench *b) {
+  const uint8_t *mask = b->gpu.api->buffer_memory(b->readback);
+  uint32_t lit = 0, dark = 0;
+  for (uint32_t i = 0; i < PIXELS; ++i) {
+    lit += mask[i] == 255;
+    dark += mask[i] == 0;
+  }
+  printf("%u lit, %u dark, %u between\n", lit, dark, PIXELS - lit - dark);
+  check(b, lit > PIXELS / 5 && dark > PIXELS / 20 && PIXELS - lit - dark > PIXELS / 100, "the mask has shadows");
+}
+
+static void compare_filter(bench *b, uint32_t filter, uint8_t *mask) {
+  if (!make_plan(b, filter) || !check(b, draw(b, filter) == CSM_SUCCESS, "drawing"))
+    return;
+  check_mask(b);
+  for (uint32_t language = 0; language < LANGUAGES; ++language)
+    compare_forward(b, filter, language);
+  memcpy(mask, b->gpu.api->buffer_memory(b->readback), PIXELS);
+}
+
+static void run(bench *b) {
+  static uint8_t masks[2][PIXELS];
+  make_scene(b);
+  b->frame_memory = allocate(NULL, plan_memory_size(BOXES + 1, 2, CASCADES), 16);
+  b->view_memory = allocate(NULL, plan_memory_size(BOXES + 1, 2, 0), 16);
+  if (check(b, !make_buffers(b) && !make_images(b) && !make_programs(b), "making objects")) {
+    for (uint32_t filter = 0; filter < 2; ++filter)
+      compare_filter(b, filter, masks[filter]);
+    int largest;
+    check(b, differing(masks[0], masks[1], 1, &largest) > PIXELS / 100, "the filters can be told apart");
+  }
+  free_objects(b);
+  release(NULL, b->frame_memory);
+  release(NULL, b->view_memory);
+}
+
+int main(int argc, char **argv) {
+  if (argc != 2)
+    return 2;
+  char error[512] = "";
+  loader_library library;
+  bench b = {0};
+  const gpu_host host = {.user = &b, .allocate = allocate, .release = release, .log = message};
+  const gpu_open_info info = {.host = &host, .validate = true, .slots = 1, .error = error, .error_size = sizeof error};
+  if (loader_open(&library, argv[1], error, sizeof error) || library.backend->open(&info, &b.gpu.device)) {
+    fprintf(stderr, "%s\n", error);
+    loader_close(&library);
+    return 1;
+  }
+  b.gpu.api = library.backend;
+  run(&b);
+  b.gpu.api->close(b.gpu.device);
+  loader_close(&library);
+  return b.failures != 0;
+}
