@@ -7,23 +7,26 @@
 
 #define CSM_CONSTANTS_CASCADES 8
 
-/* Index of each float4 */
-#define CSM_C_PARAMS 0   /* cascade count, texels a side, 1 / texels a side, view depth where shadows end */
-#define CSM_C_DEPTH 1    /* view depth of a relative position p: dot(p, xyz) + w */
-#define CSM_C_BASIS 2    /* three: unit vectors right, up and along the light (its direction of travel) */
-#define CSM_C_FILTER 2   /* w alone: the filter's taps a side, 1 (hardware 2x2) or 3 (3x3) */
-#define CSM_C_BIAS 5     /* constant, slope, slope max, normal offset: as configured, in texels */
-#define CSM_C_SPLITS 6   /* two: where cascades 0..3 and 4..7 end, as view depth; unused ones repeat the last */
-#define CSM_C_TEXELS 8   /* eight: texel size in metres, depth per metre along the light, the filter's reach in metres
-                            (farthest texel centre from the sample along one axis), unused */
+/*
+ * Index of each float4. Filter reach is how far the farthest texel centre is from the sample, along one axis.
+ */
+#define CSM_C_PARAMS 0    /* cascade count, texels a side, 1 / texels a side, view depth where shadows end */
+#define CSM_C_DEPTH 1     /* view depth of a relative position p: dot(p, xyz) + w */
+#define CSM_C_BASIS 2     /* three: unit vectors right, up and along the light (its direction of travel) */
+#define CSM_C_FILTER 2    /* w alone: the filter's taps a side, 1 (hardware 2x2) or 3 (3x3) */
+#define CSM_C_BIAS 5      /* constant, slope, slope max, normal offset: as configured, in texels */
+#define CSM_C_SPLITS 6    /* two: where cascades 0..3 and 4..7 end, as view depth; unused ones repeat the last */
+#define CSM_C_TEXELS 8    /* eight: texel size in metres, depth per metre along the light, filter reach in metres */
 #define CSM_C_MATRICES 16 /* eight times three rows: relative position to u, v, depth */
 #define CSM_C_COUNT 40
 
-/* The mask pass's own block */
+/*
+ * The mask pass's own block. Handedness is 1, or -1 where image right, image up and back to the viewer are a
+ * left-handed basis of the world.
+ */
 #define CSM_M_INVERSE 0 /* four rows: clip (x, y, z, 1) to relative position times w */
 #define CSM_M_SIZE 4    /* width, height, 1 / width, 1 / height */
-#define CSM_M_CLEAR 5   /* depth of a pixel without a surface; 1, or -1 where image right, image up and back to the
-                           viewer are a left-handed basis of the world; scale and offset that decode normals */
+#define CSM_M_CLEAR 5   /* depth of a pixel without a surface; handedness; scale and offset that decode normals */
 #define CSM_M_COUNT 6
 
 /* What C and C++ see: the same block as a struct, for an engine's own buffers and debugging. */
