@@ -24,10 +24,13 @@
 #define D3D12_STATE_READABLE                                                                                           \
   (D3D12_RESOURCE_STATE_PIXEL_SHADER_RESOURCE | D3D12_RESOURCE_STATE_NON_PIXEL_SHADER_RESOURCE)
 
-/* Every state in which a device buffer is read. */
+/* Every state in which draws read a buffer. */
 #define D3D12_STATE_GEOMETRY                                                                                           \
-  (D3D12_RESOURCE_STATE_VERTEX_AND_CONSTANT_BUFFER | D3D12_RESOURCE_STATE_INDEX_BUFFER |                               \
-   D3D12_RESOURCE_STATE_COPY_SOURCE)
+  (D3D12_RESOURCE_STATE_VERTEX_AND_CONSTANT_BUFFER | D3D12_RESOURCE_STATE_INDEX_BUFFER)
+
+/* Makes root signatures: D3D12SerializeRootSignature. */
+typedef HRESULT(WINAPI *d3d12_serializer)(const D3D12_ROOT_SIGNATURE_DESC *signature,
+                                          D3D_ROOT_SIGNATURE_VERSION version, ID3DBlob **blob, ID3DBlob **error);
 
 /* The libraries that an own device comes from, vkd3d's Vulkan instance, and the physical device chosen in it. */
 typedef struct d3d12_driver {
@@ -43,7 +46,7 @@ typedef struct d3d12_driver {
   VkInstance vk_instance;
   VkDebugUtilsMessengerEXT messenger;
   VkPhysicalDevice physical_device;
-  gpu_device_info info;
+  bool tells_budget; /* VK_EXT_memory_budget */
 } d3d12_driver;
 
 /* What a fence signals from vkd3d's own thread. */
@@ -71,6 +74,7 @@ typedef struct d3d12_resource {
 struct gpu_buffer {
   d3d12_resource resource;
   gpu_buffer_kind kind;
+  bool imported; /* an engine's: it keeps its state */
   uint64_t size;
   D3D12_GPU_VIRTUAL_ADDRESS address;
   void *memory;
@@ -81,6 +85,7 @@ struct gpu_image {
   d3d12_resource resource;
   gpu_image_info info;
   uint64_t bytes;
+  DXGI_FORMAT view_format;          /* as shaders read it */
   ID3D12DescriptorHeap *clear_heap; /* depth: one view of all layers */
 };
 
@@ -121,16 +126,18 @@ struct gpu_device {
   gpu_host host;
   uint32_t slot_count;
 
-  d3d12_driver driver;
+  gpu_device_info info;
   ID3D12Device *device;
+  d3d12_serializer serialize; /* the engine's; NULL on an own device, where the driver's is used */
 
-  /* An own device's queue, and how it is waited for */
+  /* An own device: where it comes from, its queue (NULL: an engine's), and how it is waited for */
+  d3d12_driver driver;
   ID3D12CommandQueue *queue;
   ID3D12Fence *fence;
   uint64_t fence_value;
   d3d12_event event;
   d3d12_slot slots[D3D12_MAX_SLOTS];
-  ID3D12GraphicsCommandList *list;
+  ID3D12GraphicsCommandList *own_list;
 
   /* Shader-visible descriptors: blocks of GPU_MAX_TEXTURES, and a stack of the free ones */
   ID3D12DescriptorHeap *descriptors;
@@ -148,11 +155,14 @@ struct gpu_device {
   uint64_t ticks_per_second;
 
   /* The recording in progress */
+  ID3D12GraphicsCommandList *list;
   uint32_t slot;
-  uint32_t timestamp_count;
+  uint32_t timestamps_begin, timestamps_end; /* those taken lie between */
   uint32_t barrier_count;
   D3D12_RESOURCE_BARRIER barriers[D3D12_MAX_BARRIERS];
   d3d12_resource *touched;
+  const gpu_target *target;
+  bool descriptors_set;
   d3d12_bound bound;
 };
 
@@ -174,10 +184,12 @@ void d3d12_name(ID3D12Object *object, const char *name);
 
 /* ---- driver.c: libraries, instance, physical device ---- */
 
-/* Opens the libraries, makes the instance, chooses and describes a device. Errors: NO_DEVICE, UNSUPPORTED (validation
-   that is not installed), DEVICE, OUT_OF_MEMORY; the driver is closed then. */
-csm_result d3d12_driver_open(d3d12_driver *driver, const gpu_open_info *info);
+/* Opens the libraries, makes the instance, chooses a device and describes it to `out`. Errors: NO_DEVICE, DEVICE,
+   OUT_OF_MEMORY; the driver is closed then. */
+csm_result d3d12_driver_open(d3d12_driver *driver, const gpu_open_info *info, gpu_device_info *out);
 void d3d12_driver_close(d3d12_driver *driver);
+/* Bytes that the largest heap of device memory still has for this process, or UINT64_MAX. */
+uint64_t d3d12_driver_memory_available(const d3d12_driver *driver);
 
 /* ---- validation.c ---- */
 
@@ -188,12 +200,29 @@ bool d3d12_validation_is_installed(const d3d12_driver *driver);
 csm_result d3d12_validation_listen(d3d12_driver *driver, const gpu_host *host);
 void d3d12_validation_close(d3d12_driver *driver);
 
+/* ---- engine.c: what an engine gives ---- */
+
+/* Copies an engine's struct, which begins with struct_size, into `out`; what is missing is zero. Errors: NULL_POINTER,
+   STRUCT_SIZE. */
+csm_result d3d12_read_struct(void *out, uint32_t size, const void *in);
+/* Tells what an engine must bring. */
+void d3d12_requirements(gpu_device_info *out);
+/* Takes a reference to the engine's device and describes it. Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE,
+   UNSUPPORTED; nothing is held then. */
+csm_result d3d12_engine_open(const gpu_open_info *info, ID3D12Device **device, d3d12_serializer *serialize,
+                             gpu_device_info *out);
+/* Ticks a second of the device's queues. Only a queue tells, so one is made to be asked; nothing is submitted to it. */
+HRESULT d3d12_engine_tick_rate(ID3D12Device *device, uint64_t *ticks_per_second);
+csm_result d3d12_image_import(gpu_device *device, const void *native, gpu_image **out, bool *unorm);
+csm_result d3d12_geometry_import(gpu_device *device, const void *native, gpu_geometry *out);
+
 /* ---- device.c ---- */
 csm_result d3d12_query(const gpu_open_info *info, gpu_device_info *out);
 csm_result d3d12_open(const gpu_open_info *info, gpu_device **out);
 void d3d12_close(gpu_device *device);
 void d3d12_describe(const gpu_device *device, gpu_device_info *out);
 csm_result d3d12_wait(gpu_device *device, uint32_t slot);
+uint64_t d3d12_memory_available(gpu_device *device);
 /* Puts the next fence value behind what was submitted. */
 csm_result d3d12_signal(gpu_device *device);
 
@@ -207,7 +236,8 @@ void *d3d12_buffer_memory(gpu_buffer *buffer);
 csm_result d3d12_image_create(gpu_device *device, const gpu_image_info *info, gpu_image **out);
 void d3d12_image_destroy(gpu_device *device, gpu_image *image);
 uint64_t d3d12_image_bytes(const gpu_image *image);
-uint64_t d3d12_image_native(const gpu_image *image);
+void d3d12_image_native(const gpu_device *device, const gpu_image *image, gpu_native_image *out);
+void d3d12_image_describe(gpu_device *device, const gpu_image *image, uint64_t descriptor);
 csm_result d3d12_target_create(gpu_device *device, const gpu_target_info *info, gpu_target **out);
 void d3d12_target_destroy(gpu_device *device, gpu_target *target);
 
@@ -215,10 +245,11 @@ void d3d12_target_destroy(gpu_device *device, gpu_target *target);
 csm_result d3d12_program_create(gpu_device *device, const gpu_program_info *info, gpu_program **out);
 void d3d12_program_destroy(gpu_device *device, gpu_program *program);
 csm_result d3d12_bindings_create(gpu_device *device, const gpu_bindings_info *info, gpu_bindings **out);
+void d3d12_bindings_write(gpu_device *device, gpu_bindings *bindings, const gpu_bindings_info *info);
 void d3d12_bindings_destroy(gpu_device *device, gpu_bindings *bindings);
 
 /* ---- record.c ---- */
-csm_result d3d12_begin(gpu_device *device, uint32_t slot, void *native);
+csm_result d3d12_begin(gpu_device *device, const gpu_record_info *info);
 void d3d12_marker_begin(gpu_device *device, const char *name);
 void d3d12_marker_end(gpu_device *device);
 void d3d12_timestamp(gpu_device *device, uint32_t index);
@@ -232,8 +263,9 @@ void d3d12_pass_end(gpu_device *device);
 void d3d12_pass_program(gpu_device *device, gpu_program *program);
 void d3d12_pass_bind(gpu_device *device, gpu_bindings *bindings, const uint32_t *offsets);
 void d3d12_pass_draw(gpu_device *device, const gpu_draw *draw);
+void d3d12_pass_native(gpu_device *device, gpu_native_pass *out);
 void d3d12_make_readable(gpu_device *device, gpu_image *image);
 csm_result d3d12_end(gpu_device *device);
-csm_result d3d12_timestamps(gpu_device *device, uint32_t slot, uint32_t count, uint64_t *nanoseconds);
+csm_result d3d12_timestamps(gpu_device *device, uint32_t slot, uint32_t first, uint32_t count, uint64_t *nanoseconds);
 
 #endif

@@ -1,6 +1,7 @@
 /*
- * device.c: opening and closing. An own device is obtained first (obtain_device: driver, device, queue, fence, a list
- * and an allocator for each slot); what recording needs on any device is made on top of it (use_device).
+ * device.c: opening and closing. A device is obtained first: an own one (obtain_device: driver, device, queue, fence, a
+ * list and an allocator for each slot) or an engine's (engine.c); what recording needs on any device is made on top of it
+ * (use_device).
  */
 #include "d3d12.h"
 #include <time.h>
@@ -64,13 +65,22 @@ csm_result d3d12_wait(gpu_device *device, uint32_t slot) {
   return CSM_SUCCESS;
 }
 
+static csm_result query_engine(const gpu_open_info *info, gpu_device_info *out) {
+  ID3D12Device *device;
+  d3d12_serializer serialize;
+  const csm_result result = d3d12_engine_open(info, &device, &serialize, out);
+  if (result == CSM_SUCCESS)
+    ID3D12Device_Release(device);
+  return result;
+}
+
 csm_result d3d12_query(const gpu_open_info *info, gpu_device_info *out) {
+  if (info->native)
+    return query_engine(info, out);
   d3d12_driver driver;
-  const csm_result result = d3d12_driver_open(&driver, info);
-  if (result == CSM_SUCCESS) {
-    *out = driver.info;
+  const csm_result result = d3d12_driver_open(&driver, info, out);
+  if (result == CSM_SUCCESS)
     d3d12_driver_close(&driver);
-  }
   return result;
 }
 
@@ -86,7 +96,7 @@ static csm_result create_device(gpu_device *device, const gpu_open_info *info) {
     return CSM_SUCCESS;
   device->device = NULL;
   return d3d12_refuse(info, CSM_ERROR_NO_DEVICE, "vkd3d cannot open %s at feature level 11_0 (HRESULT 0x%08x)",
-                      device->driver.info.name, (uint32_t)hr);
+                      device->info.name, (uint32_t)hr);
 }
 
 static HRESULT create_queue(gpu_device *device) {
@@ -100,12 +110,12 @@ static HRESULT create_queue(gpu_device *device) {
                                              &IID_ID3D12CommandAllocator, (void **)&device->slots[i].allocator);
   if (SUCCEEDED(hr))
     hr = ID3D12Device_CreateCommandList(device->device, 0, D3D12_COMMAND_LIST_TYPE_DIRECT, device->slots[0].allocator,
-                                        NULL, &IID_ID3D12GraphicsCommandList, (void **)&device->list);
-  return SUCCEEDED(hr) ? ID3D12GraphicsCommandList_Close(device->list) : hr;
+                                        NULL, &IID_ID3D12GraphicsCommandList, (void **)&device->own_list);
+  return SUCCEEDED(hr) ? ID3D12GraphicsCommandList_Close(device->own_list) : hr;
 }
 
 static csm_result obtain_device(gpu_device *device, const gpu_open_info *info) {
-  csm_result result = d3d12_driver_open(&device->driver, info);
+  csm_result result = d3d12_driver_open(&device->driver, info, &device->info);
   if (result == CSM_SUCCESS)
     result = create_device(device, info);
   if (result != CSM_SUCCESS)
@@ -144,7 +154,10 @@ static HRESULT create_queries(gpu_device *device) {
   if (SUCCEEDED(hr))
     hr = ID3D12Resource_Map(device->query_results, 0, NULL, &memory);
   device->query_ticks = memory;
-  return SUCCEEDED(hr) ? ID3D12CommandQueue_GetTimestampFrequency(device->queue, &device->ticks_per_second) : hr;
+  if (FAILED(hr))
+    return hr;
+  return device->queue ? ID3D12CommandQueue_GetTimestampFrequency(device->queue, &device->ticks_per_second)
+                       : d3d12_engine_tick_rate(device->device, &device->ticks_per_second);
 }
 
 static HRESULT create_fill(gpu_device *device) {
@@ -166,7 +179,7 @@ static csm_result use_device(gpu_device *device, const gpu_open_info *info) {
   HRESULT hr = create_descriptors(device);
   if (SUCCEEDED(hr))
     hr = create_queries(device);
-  if (SUCCEEDED(hr) && device->driver.info.type == CSM_DEVICE_CPU)
+  if (SUCCEEDED(hr) && device->info.type == CSM_DEVICE_CPU)
     hr = create_fill(device);
   if (FAILED(hr))
     return d3d12_refuse(info, d3d12_result(hr), "descriptors or queries cannot be made (HRESULT 0x%08x)", (uint32_t)hr);
@@ -184,9 +197,9 @@ static void leave_device(gpu_device *device) {
     ID3D12DescriptorHeap_Release(device->descriptors);
 }
 
-static void release_own_device(gpu_device *device) {
-  if (device->list)
-    ID3D12GraphicsCommandList_Release(device->list);
+static void release_device(gpu_device *device) {
+  if (device->own_list)
+    ID3D12GraphicsCommandList_Release(device->own_list);
   for (uint32_t i = 0; i < device->slot_count; ++i)
     if (device->slots[i].allocator)
       ID3D12CommandAllocator_Release(device->slots[i].allocator);
@@ -194,16 +207,15 @@ static void release_own_device(gpu_device *device) {
     ID3D12Fence_Release(device->fence);
   if (device->queue)
     ID3D12CommandQueue_Release(device->queue);
+  const bool own = device->driver.instance;
   const ULONG references = device->device ? ID3D12Device_Release(device->device) : 0;
-  if (references)
+  if (references && own)
     d3d12_log(&device->host, CSM_LOG_ERROR, "d3d12: the device still has %u references when it is closed", references);
   d3d12_driver_close(&device->driver);
 }
 
 csm_result d3d12_open(const gpu_open_info *info, gpu_device **out) {
   *out = NULL;
-  if (info->native)
-    return d3d12_refuse(info, CSM_ERROR_UNSUPPORTED, "an engine's own device is not supported in this version");
   gpu_device *device = d3d12_new(info->host, sizeof *device);
   if (!device)
     return d3d12_refuse(info, CSM_ERROR_OUT_OF_MEMORY, "out of memory");
@@ -214,7 +226,8 @@ csm_result d3d12_open(const gpu_open_info *info, gpu_device **out) {
     device->host.release(device->host.user, device);
     return d3d12_refuse(info, result, "out of memory");
   }
-  result = obtain_device(device, info);
+  result = info->native ? d3d12_engine_open(info, &device->device, &device->serialize, &device->info)
+                        : obtain_device(device, info);
   if (result == CSM_SUCCESS)
     result = use_device(device, info);
   if (result != CSM_SUCCESS) {
@@ -230,11 +243,15 @@ void d3d12_close(gpu_device *device) {
     if (d3d12_wait(device, i) != CSM_SUCCESS)
       break; /* a lost device runs nothing any more */
   leave_device(device);
-  release_own_device(device);
+  release_device(device);
   event_close(&device->event);
   device->host.release(device->host.user, device);
 }
 
 void d3d12_describe(const gpu_device *device, gpu_device_info *out) {
-  *out = device->driver.info;
+  *out = device->info;
+}
+
+uint64_t d3d12_memory_available(gpu_device *device) {
+  return d3d12_driver_memory_available(&device->driver);
 }

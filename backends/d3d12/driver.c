@@ -159,17 +159,60 @@ static const char *vkd3d_version(const d3d12_driver *driver) {
   return get_version ? get_version(NULL, NULL) : "vkd3d";
 }
 
-static uint64_t largest_device_heap(const d3d12_driver *driver) {
+/* Index of the largest heap of device memory, which images live in. */
+static uint32_t image_heap(const VkPhysicalDeviceMemoryProperties *memory) {
+  uint32_t best = 0;
+  uint64_t largest = 0;
+  for (uint32_t i = 0; i < memory->memoryHeapCount; ++i)
+    if ((memory->memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) && memory->memoryHeaps[i].size > largest) {
+      best = i;
+      largest = memory->memoryHeaps[i].size;
+    }
+  return best;
+}
+
+static uint64_t memory_size(const d3d12_driver *driver) {
   const PFN_vkGetPhysicalDeviceMemoryProperties get =
       (PFN_vkGetPhysicalDeviceMemoryProperties)driver->get_instance_proc(driver->vk_instance,
                                                                          "vkGetPhysicalDeviceMemoryProperties");
   VkPhysicalDeviceMemoryProperties memory;
   get(driver->physical_device, &memory);
-  uint64_t largest = 0;
-  for (uint32_t i = 0; i < memory.memoryHeapCount; ++i)
-    if ((memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) && memory.memoryHeaps[i].size > largest)
-      largest = memory.memoryHeaps[i].size;
-  return largest;
+  return memory.memoryHeaps[image_heap(&memory)].size;
+}
+
+/* Whether the physical device has VK_EXT_memory_budget, which needs no enabling. */
+static csm_result find_budget(d3d12_driver *driver, const gpu_open_info *info) {
+  const PFN_vkEnumerateDeviceExtensionProperties enumerate =
+      (PFN_vkEnumerateDeviceExtensionProperties)driver->get_instance_proc(driver->vk_instance,
+                                                                          "vkEnumerateDeviceExtensionProperties");
+  uint32_t count = 0;
+  if (enumerate(driver->physical_device, NULL, &count, NULL) != VK_SUCCESS || !count)
+    return CSM_SUCCESS;
+  VkExtensionProperties *extensions = d3d12_new(info->host, count * sizeof *extensions);
+  if (!extensions)
+    return d3d12_refuse(info, CSM_ERROR_OUT_OF_MEMORY, "out of memory");
+  if (enumerate(driver->physical_device, NULL, &count, extensions) >= 0)
+    for (uint32_t i = 0; i < count; ++i)
+      driver->tells_budget |= strcmp(extensions[i].extensionName, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME) == 0;
+  info->host->release(info->host->user, extensions);
+  return CSM_SUCCESS;
+}
+
+uint64_t d3d12_driver_memory_available(const d3d12_driver *driver) {
+  if (!driver->tells_budget)
+    return UINT64_MAX;
+  const PFN_vkGetPhysicalDeviceMemoryProperties2 get =
+      (PFN_vkGetPhysicalDeviceMemoryProperties2)driver->get_instance_proc(driver->vk_instance,
+                                                                          "vkGetPhysicalDeviceMemoryProperties2KHR");
+  VkPhysicalDeviceMemoryBudgetPropertiesEXT budget = {
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_BUDGET_PROPERTIES_EXT};
+  VkPhysicalDeviceMemoryProperties2 memory = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_PROPERTIES_2,
+                                              .pNext = &budget};
+  if (!get)
+    return UINT64_MAX;
+  get(driver->physical_device, &memory);
+  const uint32_t heap = image_heap(&memory.memoryProperties);
+  return budget.heapBudget[heap] > budget.heapUsage[heap] ? budget.heapBudget[heap] - budget.heapUsage[heap] : 0;
 }
 
 static uint32_t minimum(uint32_t a, uint32_t b) {
@@ -181,8 +224,8 @@ static uint64_t minimum64(uint64_t a, uint64_t b) {
 }
 
 /* The largest images and memory: limits of the device, of its depth format, and of D3D12. */
-static csm_result describe_sizes(d3d12_driver *driver, const gpu_open_info *info, const VkPhysicalDeviceLimits *limits,
-                                 uint64_t max_allocation) {
+static csm_result describe_sizes(const d3d12_driver *driver, const gpu_open_info *info,
+                                 const VkPhysicalDeviceLimits *limits, uint64_t max_allocation, gpu_device_info *out) {
   const PFN_vkGetPhysicalDeviceImageFormatProperties get =
       (PFN_vkGetPhysicalDeviceImageFormatProperties)driver->get_instance_proc(
           driver->vk_instance, "vkGetPhysicalDeviceImageFormatProperties");
@@ -191,20 +234,20 @@ static csm_result describe_sizes(d3d12_driver *driver, const gpu_open_info *info
   VkImageFormatProperties depth;
   if (get(driver->physical_device, VK_FORMAT_D32_SFLOAT, VK_IMAGE_TYPE_2D, VK_IMAGE_TILING_OPTIMAL, usage, 0, &depth) !=
       VK_SUCCESS)
-    return d3d12_refuse(info, CSM_ERROR_NO_DEVICE, "%s has no D32_FLOAT images", driver->info.name);
+    return d3d12_refuse(info, CSM_ERROR_NO_DEVICE, "%s has no D32_FLOAT images", out->name);
   uint32_t size = minimum(limits->maxImageDimension2D, minimum(depth.maxExtent.width, depth.maxExtent.height));
   size = minimum(size, minimum(limits->maxFramebufferWidth, limits->maxFramebufferHeight));
   size = minimum(size, minimum(limits->maxViewportDimensions[0], limits->maxViewportDimensions[1]));
-  driver->info.max_image_size = minimum(size, D3D12_REQ_TEXTURE2D_U_OR_V_DIMENSION);
-  driver->info.max_image_layers =
+  out->max_image_size = minimum(size, D3D12_REQ_TEXTURE2D_U_OR_V_DIMENSION);
+  out->max_image_layers =
       minimum(minimum(limits->maxImageArrayLayers, depth.maxArrayLayers), D3D12_REQ_TEXTURE2D_ARRAY_AXIS_DIMENSION);
-  driver->info.memory_size = largest_device_heap(driver);
-  driver->info.max_buffer_size = minimum64(max_allocation, driver->info.memory_size);
-  driver->info.max_allocation_size = minimum64(driver->info.max_buffer_size, depth.maxResourceSize);
+  out->memory_size = memory_size(driver);
+  out->max_buffer_size = minimum64(max_allocation, out->memory_size);
+  out->max_allocation_size = minimum64(out->max_buffer_size, depth.maxResourceSize);
   return CSM_SUCCESS;
 }
 
-static csm_result describe_device(d3d12_driver *driver, const gpu_open_info *info) {
+static csm_result describe_device(const d3d12_driver *driver, const gpu_open_info *info, gpu_device_info *out) {
   const PFN_vkGetPhysicalDeviceProperties2 get = (PFN_vkGetPhysicalDeviceProperties2)driver->get_instance_proc(
       driver->vk_instance, "vkGetPhysicalDeviceProperties2KHR");
   if (!get)
@@ -216,17 +259,15 @@ static csm_result describe_device(d3d12_driver *driver, const gpu_open_info *inf
   VkPhysicalDeviceProperties2 all = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, .pNext = &sizes};
   get(driver->physical_device, &all);
 
-  gpu_device_info *out = &driver->info;
   out->type = device_type(all.properties.deviceType);
-  out->required = "an ID3D12Device of the same libvkd3d.so.1, feature level 11_0; its root signature serialiser";
-  out->optional = "";
+  d3d12_requirements(out);
   snprintf(out->name, sizeof out->name, "%s", all.properties.deviceName);
   snprintf(out->driver, sizeof out->driver, "%s on %.96s %.96s", vkd3d_version(driver), name.driverName,
            name.driverInfo);
-  return describe_sizes(driver, info, &all.properties.limits, sizes.maxMemoryAllocationSize);
+  return describe_sizes(driver, info, &all.properties.limits, sizes.maxMemoryAllocationSize, out);
 }
 
-csm_result d3d12_driver_open(d3d12_driver *driver, const gpu_open_info *info) {
+csm_result d3d12_driver_open(d3d12_driver *driver, const gpu_open_info *info, gpu_device_info *out) {
   *driver = (d3d12_driver){0};
   csm_result result = open_libraries(driver, info);
   if (result == CSM_SUCCESS)
@@ -234,7 +275,9 @@ csm_result d3d12_driver_open(d3d12_driver *driver, const gpu_open_info *info) {
   if (result == CSM_SUCCESS)
     result = choose_device(driver, info);
   if (result == CSM_SUCCESS)
-    result = describe_device(driver, info);
+    result = describe_device(driver, info, out);
+  if (result == CSM_SUCCESS)
+    result = find_budget(driver, info);
   if (result != CSM_SUCCESS)
     d3d12_driver_close(driver);
   return result;

@@ -20,6 +20,12 @@ static D3D12_STATIC_SAMPLER_DESC static_sampler(gpu_sampler sampler, uint32_t sh
   };
 }
 
+static HRESULT serialize(const gpu_device *device, const D3D12_ROOT_SIGNATURE_DESC *signature, ID3DBlob **out) {
+  const D3D_ROOT_SIGNATURE_VERSION version = D3D_ROOT_SIGNATURE_VERSION_1_0;
+  return device->serialize ? device->serialize(signature, version, out, NULL)
+                           : device->driver.serialize_root_signature(signature, version, out, NULL);
+}
+
 static HRESULT create_signature(gpu_device *device, const gpu_program_info *info, ID3D12RootSignature **out) {
   D3D12_ROOT_PARAMETER parameters[GPU_MAX_CONSTANTS + 1];
   D3D12_STATIC_SAMPLER_DESC samplers[GPU_MAX_SAMPLERS];
@@ -50,7 +56,7 @@ static HRESULT create_signature(gpu_device *device, const gpu_program_info *info
       .Flags = D3D12_ROOT_SIGNATURE_FLAG_ALLOW_INPUT_ASSEMBLER_INPUT_LAYOUT,
   };
   ID3DBlob *blob = NULL;
-  HRESULT hr = device->driver.serialize_root_signature(&signature, D3D_ROOT_SIGNATURE_VERSION_1_0, &blob, NULL);
+  HRESULT hr = serialize(device, &signature, &blob);
   if (FAILED(hr))
     return hr;
   hr = ID3D12Device_CreateRootSignature(device->device, 0, ID3D10Blob_GetBufferPointer(blob),
@@ -166,20 +172,15 @@ void d3d12_program_destroy(gpu_device *device, gpu_program *program) {
   device->host.release(device->host.user, program);
 }
 
-static void create_texture_view(gpu_device *device, gpu_image *image, D3D12_CPU_DESCRIPTOR_HANDLE where) {
-  const bool depth = image->info.format == GPU_FORMAT_D32_FLOAT;
-  D3D12_SHADER_RESOURCE_VIEW_DESC view = {
-      .Format = depth ? DXGI_FORMAT_R32_FLOAT : d3d12_format(image->info.format),
-      .Shader4ComponentMapping = D3D12_DEFAULT_SHADER_4_COMPONENT_MAPPING,
-  };
-  if (image->info.array) {
-    view.ViewDimension = D3D12_SRV_DIMENSION_TEXTURE2DARRAY;
-    view.Texture2DArray = (D3D12_TEX2D_ARRAY_SRV){.MipLevels = 1, .ArraySize = image->info.layers};
-  } else {
-    view.ViewDimension = D3D12_SRV_DIMENSION_TEXTURE2D;
-    view.Texture2D = (D3D12_TEX2D_SRV){.MipLevels = 1};
-  }
-  ID3D12Device_CreateShaderResourceView(device->device, image->resource.handle, &view, where);
+void d3d12_bindings_write(gpu_device *device, gpu_bindings *bindings, const gpu_bindings_info *info) {
+  for (uint32_t i = 0; i < bindings->constants_count; ++i)
+    bindings->constants[i] = info->constants[i]->address;
+  if (!bindings->has_textures)
+    return;
+  const D3D12_CPU_DESCRIPTOR_HANDLE start = ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(device->descriptors);
+  for (uint32_t i = 0; i < info->program->texture_count; ++i)
+    d3d12_image_describe(device, info->textures[i],
+                         start.ptr + ((size_t)bindings->block * GPU_MAX_TEXTURES + i) * device->descriptor_size);
 }
 
 csm_result d3d12_bindings_create(gpu_device *device, const gpu_bindings_info *info, gpu_bindings **out) {
@@ -191,19 +192,13 @@ csm_result d3d12_bindings_create(gpu_device *device, const gpu_bindings_info *in
   if (!bindings)
     return CSM_ERROR_OUT_OF_MEMORY;
   bindings->constants_count = info->program->constants_count;
-  for (uint32_t i = 0; i < bindings->constants_count; ++i)
-    bindings->constants[i] = info->constants[i]->address;
   if (texture_count) {
     bindings->has_textures = true;
     bindings->block = device->free_blocks[--device->free_block_count];
-    const size_t offset = (size_t)bindings->block * GPU_MAX_TEXTURES * device->descriptor_size;
-    D3D12_CPU_DESCRIPTOR_HANDLE where = ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(device->descriptors);
     bindings->textures = ID3D12DescriptorHeap_GetGPUDescriptorHandleForHeapStart(device->descriptors);
-    bindings->textures.ptr += offset;
-    where.ptr += offset;
-    for (uint32_t i = 0; i < texture_count; ++i, where.ptr += device->descriptor_size)
-      create_texture_view(device, info->textures[i], where);
+    bindings->textures.ptr += (UINT64)bindings->block * GPU_MAX_TEXTURES * device->descriptor_size;
   }
+  d3d12_bindings_write(device, bindings, info);
   *out = bindings;
   return CSM_SUCCESS;
 }

@@ -1,8 +1,9 @@
 /*
  * record.c: recording. States are kept in the order of recording, across recordings, and barriers are gathered until
  * the next command that needs them. Images rest, between recordings, in the state that shaders read them in, and
- * buffers of the device's own memory in that which draws and copies read them in. Buffers never decay to COMMON here:
- * vkd3d knows neither decay nor promotion, and only a barrier from the state before makes it wait for earlier reads.
+ * buffers of the device's own memory in COMMON: Direct3D 12 lets them decay to it when a list has run, so it is the one
+ * state that holds whether or not the next recording is in the same list. Draws promote them out of it, without a
+ * barrier; vkd3d knows neither decay nor promotion, but the barriers that bring a buffer back order what follows.
  */
 #include "d3d12.h"
 
@@ -46,22 +47,32 @@ static void use_image(gpu_device *device, gpu_image *image, D3D12_RESOURCE_STATE
   transition(device, &image->resource, state);
 }
 
-csm_result d3d12_begin(gpu_device *device, uint32_t slot, void *native) {
-  if (native)
-    return CSM_ERROR_UNSUPPORTED;
-  csm_result result = d3d12_wait(device, slot);
+static csm_result begin_own(gpu_device *device, uint32_t slot) {
+  const csm_result result = d3d12_wait(device, slot);
   if (result != CSM_SUCCESS)
     return result;
   ID3D12CommandAllocator *allocator = device->slots[slot].allocator;
   HRESULT hr = ID3D12CommandAllocator_Reset(allocator);
   if (SUCCEEDED(hr))
-    hr = ID3D12GraphicsCommandList_Reset(device->list, allocator, NULL);
-  if (FAILED(hr))
-    return d3d12_check(device, hr, "beginning a recording");
-  ID3D12GraphicsCommandList_SetDescriptorHeaps(device->list, 1, &device->descriptors);
-  device->slot = slot;
-  device->timestamp_count = 0;
-  return CSM_SUCCESS;
+    hr = ID3D12GraphicsCommandList_Reset(device->own_list, allocator, NULL);
+  device->list = device->own_list;
+  return d3d12_check(device, hr, "beginning a recording");
+}
+
+static csm_result begin_engine(gpu_device *device, ID3D12GraphicsCommandList *list) {
+  if (ID3D12GraphicsCommandList_GetType(list) != D3D12_COMMAND_LIST_TYPE_DIRECT) {
+    d3d12_log(&device->host, CSM_LOG_ERROR, "d3d12: the command list is not a direct one");
+    return CSM_ERROR_INVALID_VALUE;
+  }
+  device->list = list;
+  return d3d12_check(device, ID3D12Device_GetDeviceRemovedReason(device->device), "beginning a recording");
+}
+
+csm_result d3d12_begin(gpu_device *device, const gpu_record_info *info) {
+  device->slot = info->slot;
+  device->timestamps_begin = device->timestamps_end = 0;
+  device->descriptors_set = false;
+  return device->queue ? begin_own(device, info->slot) : begin_engine(device, info->native);
 }
 
 /* vkd3d's event markers do nothing but print a line for every call, so there are none. */
@@ -78,23 +89,31 @@ void d3d12_timestamp(gpu_device *device, uint32_t index) {
   flush_barriers(device);
   ID3D12GraphicsCommandList_EndQuery(device->list, device->queries, D3D12_QUERY_TYPE_TIMESTAMP,
                                      device->slot * GPU_MAX_TIMESTAMPS + index);
-  if (device->timestamp_count <= index)
-    device->timestamp_count = index + 1;
+  if (device->timestamps_begin == device->timestamps_end)
+    device->timestamps_begin = index;
+  device->timestamps_end = index + 1;
 }
 
 /*
- * Makes a range of a buffer the next copy's destination. vkd3d does not order two copies into one place by itself; a
- * barrier from a state to itself, which readback buffers never leave, is one between two writes for it.
+ * Makes a range of a buffer the next copy's destination. vkd3d does not order two copies into one place by itself: they
+ * get a way through another state between them. Readback buffers never leave theirs; a barrier from it to itself, which
+ * only vkd3d allows, is one between two writes. An engine's device has no readback buffers.
  */
 static void use_copy_destination(gpu_device *device, gpu_buffer *buffer, uint64_t begin, uint64_t size) {
   const uint64_t end = begin + size;
-  const bool moves = buffer->resource.state != D3D12_RESOURCE_STATE_COPY_DEST;
-  if (moves)
-    touch(device, &buffer->resource);
-  if (moves || (begin < buffer->copied_end && buffer->copied_begin < end)) {
-    barrier(device, &buffer->resource, buffer->resource.state, D3D12_RESOURCE_STATE_COPY_DEST);
-    buffer->resource.state = D3D12_RESOURCE_STATE_COPY_DEST;
+  const bool overlaps = begin < buffer->copied_end && buffer->copied_begin < end;
+  d3d12_resource *resource = &buffer->resource;
+  if (buffer->kind == GPU_BUFFER_READBACK && overlaps)
+    barrier(device, resource, resource->state, resource->state);
+  if (buffer->kind == GPU_BUFFER_DEVICE && overlaps)
+    transition(device, resource, D3D12_STATE_GEOMETRY);
+  if (overlaps || resource->state != D3D12_RESOURCE_STATE_COPY_DEST) {
+    flush_barriers(device);
     buffer->copied_end = 0;
+  }
+  if (buffer->kind == GPU_BUFFER_DEVICE) {
+    touch(device, resource);
+    transition(device, resource, D3D12_RESOURCE_STATE_COPY_DEST);
   }
   if (buffer->copied_end == 0 || begin < buffer->copied_begin)
     buffer->copied_begin = begin;
@@ -105,8 +124,10 @@ static void use_copy_destination(gpu_device *device, gpu_buffer *buffer, uint64_
 void d3d12_copy_buffer(gpu_device *device, gpu_buffer *to, uint64_t to_offset, gpu_buffer *from, uint64_t from_offset,
                        uint64_t size) {
   use_copy_destination(device, to, to_offset, size);
-  if (from->kind == GPU_BUFFER_DEVICE)
-    transition(device, &from->resource, D3D12_STATE_GEOMETRY);
+  if (from->kind == GPU_BUFFER_DEVICE) {
+    touch(device, &from->resource);
+    transition(device, &from->resource, D3D12_RESOURCE_STATE_COPY_SOURCE);
+  }
   flush_barriers(device);
   ID3D12GraphicsCommandList_CopyBufferRegion(device->list, to->resource.handle, to_offset, from->resource.handle,
                                              from_offset, size);
@@ -180,10 +201,11 @@ void d3d12_clear_depth(gpu_device *device, gpu_image *image, float depth) {
     fill_layer(device, image, layer, depth == 1 ? D3D12_FILL_SIZE : 0);
 }
 
-/* What was copied becomes readable: a pass may draw from it. */
+/* What was copied becomes readable: a pass may draw from it. Images never rest in COMMON. */
 static void settle_buffers(gpu_device *device) {
+  const D3D12_RESOURCE_STATES copied = D3D12_RESOURCE_STATE_COPY_DEST | D3D12_RESOURCE_STATE_COPY_SOURCE;
   for (d3d12_resource *resource = device->touched; resource; resource = resource->next_touched)
-    if (resource->rest == D3D12_STATE_GEOMETRY && resource->state == D3D12_RESOURCE_STATE_COPY_DEST)
+    if (resource->rest == D3D12_RESOURCE_STATE_COMMON && resource->state & copied)
       transition(device, resource, D3D12_STATE_GEOMETRY);
 }
 
@@ -199,6 +221,7 @@ void d3d12_pass_begin(gpu_device *device, gpu_target *target) {
   }
   settle_buffers(device);
   flush_barriers(device);
+  device->target = target;
   ID3D12GraphicsCommandList_OMSetRenderTargets(device->list, target->color ? 1 : 0, target->color ? &color : NULL,
                                                FALSE, target->depth ? &depth : NULL);
   ID3D12GraphicsCommandList_RSSetViewports(device->list, 1, &target->viewport);
@@ -219,9 +242,30 @@ void d3d12_pass_program(gpu_device *device, gpu_program *program) {
 void d3d12_pass_bind(gpu_device *device, gpu_bindings *bindings, const uint32_t *offsets) {
   for (uint32_t i = 0; i < bindings->constants_count; ++i)
     ID3D12GraphicsCommandList_SetGraphicsRootConstantBufferView(device->list, i, bindings->constants[i] + offsets[i]);
-  if (bindings->has_textures)
-    ID3D12GraphicsCommandList_SetGraphicsRootDescriptorTable(device->list, bindings->constants_count,
-                                                             bindings->textures);
+  if (!bindings->has_textures)
+    return;
+  if (!device->descriptors_set)
+    ID3D12GraphicsCommandList_SetDescriptorHeaps(device->list, 1, &device->descriptors);
+  device->descriptors_set = true;
+  ID3D12GraphicsCommandList_SetGraphicsRootDescriptorTable(device->list, bindings->constants_count, bindings->textures);
+}
+
+void d3d12_pass_native(gpu_device *device, gpu_native_pass *out) {
+  const gpu_target *target = device->target;
+  *out = (gpu_native_pass){.command_buffer = device->list};
+  if (target->depth) {
+    out->depth_view = ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(target->depth_heap).ptr;
+    out->depth_format = DXGI_FORMAT_D32_FLOAT;
+  }
+  device->descriptors_set = false; /* the engine sets its own */
+}
+
+/* A draw promotes a buffer of the device's own memory to a state that it reads it in. */
+static void read_geometry(gpu_device *device, gpu_buffer *buffer, D3D12_RESOURCE_STATES state) {
+  if (buffer->kind != GPU_BUFFER_DEVICE || buffer->imported)
+    return;
+  touch(device, &buffer->resource);
+  buffer->resource.state |= state;
 }
 
 /* Views hold 32-bit sizes; what lies beyond is out of reach of 32-bit indices of the caller's. */
@@ -230,10 +274,11 @@ static UINT view_size(const gpu_buffer *buffer, uint64_t offset) {
   return size < UINT32_MAX ? (UINT)size : UINT32_MAX;
 }
 
-static void bind_stream(gpu_device *device, uint32_t index, const gpu_buffer *buffer, uint64_t offset) {
+static void bind_stream(gpu_device *device, uint32_t index, gpu_buffer *buffer, uint64_t offset) {
   d3d12_bound *bound = &device->bound;
   if (bound->streams[index] == buffer && bound->stream_offsets[index] == offset)
     return;
+  read_geometry(device, buffer, D3D12_RESOURCE_STATE_VERTEX_AND_CONSTANT_BUFFER);
   const D3D12_VERTEX_BUFFER_VIEW view = {
       .BufferLocation = buffer->address + offset,
       .SizeInBytes = view_size(buffer, offset),
@@ -245,10 +290,11 @@ static void bind_stream(gpu_device *device, uint32_t index, const gpu_buffer *bu
 }
 
 /* Binds a buffer from its beginning, so that meshes in one page share the view; draws say where they start. */
-static void bind_indices(gpu_device *device, const gpu_buffer *buffer, uint32_t index_size) {
+static void bind_indices(gpu_device *device, gpu_buffer *buffer, uint32_t index_size) {
   d3d12_bound *bound = &device->bound;
   if (bound->indices == buffer && bound->index_size == index_size)
     return;
+  read_geometry(device, buffer, D3D12_RESOURCE_STATE_INDEX_BUFFER);
   const D3D12_INDEX_BUFFER_VIEW view = {
       .BufferLocation = buffer->address,
       .SizeInBytes = view_size(buffer, 0),
@@ -275,8 +321,10 @@ void d3d12_make_readable(gpu_device *device, gpu_image *image) {
   use_image(device, image, D3D12_STATE_READABLE);
 }
 
-/* Brings everything back to rest. */
+/* Brings everything back to rest, and makes what was copied readable on the way. */
 static void rest(gpu_device *device) {
+  settle_buffers(device);
+  flush_barriers(device);
   for (d3d12_resource *resource = device->touched, *next; resource; resource = next) {
     next = resource->next_touched;
     transition(device, resource, resource->rest);
@@ -286,13 +334,17 @@ static void rest(gpu_device *device) {
   flush_barriers(device);
 }
 
-csm_result d3d12_end(gpu_device *device) {
-  const uint32_t first = device->slot * GPU_MAX_TIMESTAMPS;
-  rest(device);
-  if (device->timestamp_count)
-    ID3D12GraphicsCommandList_ResolveQueryData(device->list, device->queries, D3D12_QUERY_TYPE_TIMESTAMP, first,
-                                               device->timestamp_count, device->query_results,
-                                               first * sizeof(uint64_t));
+/* Timestamps of one recording are neighbours, so those before and after it, which a slot's other recordings take, are
+   left alone. */
+static void resolve_timestamps(gpu_device *device) {
+  const uint32_t first = device->slot * GPU_MAX_TIMESTAMPS + device->timestamps_begin;
+  const uint32_t count = device->timestamps_end - device->timestamps_begin;
+  if (count)
+    ID3D12GraphicsCommandList_ResolveQueryData(device->list, device->queries, D3D12_QUERY_TYPE_TIMESTAMP, first, count,
+                                               device->query_results, first * sizeof(uint64_t));
+}
+
+static csm_result submit(gpu_device *device) {
   const HRESULT hr = ID3D12GraphicsCommandList_Close(device->list);
   if (FAILED(hr))
     return d3d12_check(device, hr, "ending a recording");
@@ -304,11 +356,17 @@ csm_result d3d12_end(gpu_device *device) {
   return result;
 }
 
-csm_result d3d12_timestamps(gpu_device *device, uint32_t slot, uint32_t count, uint64_t *nanoseconds) {
-  const csm_result result = d3d12_wait(device, slot);
+csm_result d3d12_end(gpu_device *device) {
+  rest(device);
+  resolve_timestamps(device);
+  return device->queue ? submit(device) : CSM_SUCCESS;
+}
+
+csm_result d3d12_timestamps(gpu_device *device, uint32_t slot, uint32_t first, uint32_t count, uint64_t *nanoseconds) {
+  const csm_result result = device->queue ? d3d12_wait(device, slot) : CSM_SUCCESS;
   if (result != CSM_SUCCESS)
     return result;
-  const uint64_t *ticks = device->query_ticks + slot * GPU_MAX_TIMESTAMPS;
+  const uint64_t *ticks = device->query_ticks + slot * GPU_MAX_TIMESTAMPS + first;
   const uint64_t rate = device->ticks_per_second;
   for (uint32_t i = 0; i < count; ++i)
     nanoseconds[i] = ticks[i] / rate * 1000000000u + ticks[i] % rate * 1000000000u / rate;

@@ -108,7 +108,7 @@ csm_result d3d12_buffer_create(gpu_device *device, const gpu_buffer_info *info, 
   buffer->kind = info->kind;
   buffer->size = info->size;
   buffer->resource.state = heap_state(heap);
-  buffer->resource.rest = D3D12_STATE_GEOMETRY;
+  buffer->resource.rest = heap_state(heap);
   HRESULT hr = d3d12_commit_buffer(device->device, heap, info->size, &buffer->resource.handle);
   if (SUCCEEDED(hr) && info->kind != GPU_BUFFER_DEVICE)
     hr = ID3D12Resource_Map(buffer->resource.handle, 0, NULL, &buffer->memory);
@@ -152,6 +152,7 @@ static HRESULT commit_image(gpu_device *device, gpu_image *image) {
      is used so, not when a descriptor reads it. */
   image->resource.state = depth ? D3D12_RESOURCE_STATE_DEPTH_WRITE : D3D12_RESOURCE_STATE_RENDER_TARGET;
   image->resource.rest = info->usage & GPU_IMAGE_SAMPLED ? D3D12_STATE_READABLE : image->resource.state;
+  image->view_format = depth ? DXGI_FORMAT_R32_FLOAT : resource.Format;
   const D3D12_RESOURCE_ALLOCATION_INFO allocation =
       ID3D12Device_GetResourceAllocationInfo(device->device, 0, 1, &resource);
   image->bytes = allocation.SizeInBytes;
@@ -192,8 +193,25 @@ uint64_t d3d12_image_bytes(const gpu_image *image) {
   return image->bytes;
 }
 
-uint64_t d3d12_image_native(const gpu_image *image) {
-  return (uint64_t)(uintptr_t)image->resource.handle;
+void d3d12_image_native(const gpu_device *device, const gpu_image *image, gpu_native_image *out) {
+  (void)device;
+  *out = (gpu_native_image){.image = (uint64_t)(uintptr_t)image->resource.handle};
+}
+
+void d3d12_image_describe(gpu_device *device, const gpu_image *image, uint64_t descriptor) {
+  D3D12_SHADER_RESOURCE_VIEW_DESC view = {
+      .Format = image->view_format,
+      .Shader4ComponentMapping = D3D12_DEFAULT_SHADER_4_COMPONENT_MAPPING,
+  };
+  if (image->info.array) {
+    view.ViewDimension = D3D12_SRV_DIMENSION_TEXTURE2DARRAY;
+    view.Texture2DArray = (D3D12_TEX2D_ARRAY_SRV){.MipLevels = 1, .ArraySize = image->info.layers};
+  } else {
+    view.ViewDimension = D3D12_SRV_DIMENSION_TEXTURE2D;
+    view.Texture2D = (D3D12_TEX2D_SRV){.MipLevels = 1};
+  }
+  ID3D12Device_CreateShaderResourceView(device->device, image->resource.handle, &view,
+                                        (D3D12_CPU_DESCRIPTOR_HANDLE){.ptr = (SIZE_T)descriptor});
 }
 
 csm_result d3d12_target_create(gpu_device *device, const gpu_target_info *info, gpu_target **out) {
