@@ -1,5 +1,7 @@
 #include "bench.h"
+#include "bench_engine.h"
 #include "bench_plan.h"
+#include "bench_switch.h"
 #include "config_json.h"
 #include "floor.h"
 #include "host.h"
@@ -15,6 +17,7 @@
 #define QUICK_PAIRS 5u
 #define WARM_UP 3u
 #define MANY_INSTANCES 10000u
+#define SWITCH_ROUNDS 7u
 #define MAX_CONTENDERS (HOST_BACKENDS + 1)
 
 /* What is timed: a backend's depth pass, or the bare loop where stage is NULL. */
@@ -35,6 +38,8 @@ typedef struct bench {
   uint32_t contender_count;
   uint32_t pairs;
   estimate many_plan; /* planning MANY_INSTANCES */
+  bench_switch switching;
+  bench_engine engine; /* drawing them on an engine's Vulkan device; no frames: not measured */
 } bench;
 
 /* ---- setting up ---- */
@@ -146,8 +151,16 @@ static int time_planning(bench *b) {
   const int code = bench_plan_make(&many, &b->setup, MANY_INSTANCES);
   if (code == 0)
     b->many_plan = bench_plan_time(&many, &b->setup, b->pairs);
+  if (code == 0 && b->floor)
+    code = bench_engine_run(&b->engine, &b->setup, &many, b->options->device, b->pairs);
   bench_plan_free(&many);
   return code;
+}
+
+static int time_switching(bench *b) {
+  if (b->stage_count < HOST_BACKENDS)
+    return 0;
+  return bench_switch_run(&b->switching, &b->setup, b->options->device, b->options->quick ? 2 : SWITCH_ROUNDS);
 }
 
 /* ---- results ---- */
@@ -189,6 +202,24 @@ static void print_results(FILE *to, const bench *b) {
   fprintf(to, "\n  planning %u instances for %u cascades: %.3f ms (%.3f .. %.3f), %.2f %% of a %s frame\n",
           MANY_INSTANCES, setup->config.cascade_count, b->many_plan.median, b->many_plan.low, b->many_plan.high,
           100.0 * b->many_plan.median / frame, b->stages[0].backend);
+}
+
+static void print_engine(FILE *to, const bench *b) {
+  const bench_engine *engine = &b->engine;
+  if (engine->frames)
+    fprintf(
+        to,
+        "  csm_render_cascades on an engine's device, %u instances: %.3f ms of CPU (%.3f .. %.3f), %u allocations in "
+        "%u frames\n",
+        MANY_INSTANCES, engine->call_ms.median, engine->call_ms.low, engine->call_ms.high, engine->allocations,
+        engine->frames);
+}
+
+static void print_switching(FILE *to, const bench *b) {
+  const bench_switch *s = &b->switching;
+  for (int i = 0; i < HOST_BACKENDS && s->rounds; i++)
+    fprintf(to, "  csm_switch_backend to %s: %.1f ms (%.1f .. %.1f), %u times\n", host_backend_names[i],
+            s->switch_ms[i].median, s->switch_ms[i].low, s->switch_ms[i].high, s->rounds);
 }
 
 static json_t *estimate_to_json(const char *name, const estimate *value) {
@@ -234,6 +265,16 @@ static json_t *results_to_json(const bench *b) {
   json_object_set_new(object, "depth_ms", times);
   json_object_set_new(object, "ratios", ratios);
   json_object_set_new(object, "planning", planning);
+  for (int i = 0; i < HOST_BACKENDS && b->switching.rounds; i++)
+    json_object_set_new(object, i ? "switch_to_d3d12_ms" : "switch_to_vulkan_ms",
+                        estimate_to_json(host_backend_names[i], &b->switching.switch_ms[i]));
+  if (b->engine.frames) {
+    json_t *engine = estimate_to_json("call_ms", &b->engine.call_ms);
+    json_object_set_new(engine, "instances", json_integer(MANY_INSTANCES));
+    json_object_set_new(engine, "allocations", json_integer(b->engine.allocations));
+    json_object_set_new(engine, "frames", json_integer(b->engine.frames));
+    json_object_set_new(object, "engine", engine);
+  }
   return object;
 }
 
@@ -245,8 +286,12 @@ int bench_command(const host_options *options) {
     code = time_all(b);
   if (code == 0)
     code = time_planning(b);
+  if (code == 0)
+    code = time_switching(b);
   if (code == 0) {
     print_results(output_table(options), b);
+    print_engine(output_table(options), b);
+    print_switching(output_table(options), b);
     code = output_json(options, results_to_json(b));
   }
   close_all(b);

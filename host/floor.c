@@ -3,11 +3,11 @@
 #include "clock.h"
 #include "host.h"
 #include "shader_code.h"
+#include "vulkan_device.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <vulkan/vulkan.h>
 
 enum { matrix_bytes = 12 * sizeof(float) };
 
@@ -20,11 +20,8 @@ typedef struct floor_mesh {
 
 struct floor_loop {
   floor_info info;
-  VkInstance instance;
-  VkPhysicalDevice physical;
-  VkDevice device;
-  uint32_t family;
-  VkQueue queue;
+  vulkan_device vulkan;
+  VkDevice device; /* of it */
   VkBuffer geometry, matrices;
   VkDeviceMemory geometry_memory, matrices_memory, maps_memory;
   floor_mesh *meshes;
@@ -40,81 +37,11 @@ struct floor_loop {
   VkFence fence;
 };
 
-/* ---- the device ---- */
-
-static VkResult open_instance(floor_loop *loop) {
-  const VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .apiVersion = VK_API_VERSION_1_1};
-  const VkInstanceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, .pApplicationInfo = &application};
-  return vkCreateInstance(&info, NULL, &loop->instance);
-}
-
-/* The same order as csm's own: discrete, integrated, virtual, CPU. */
-static int rank_device(const VkPhysicalDeviceProperties *properties, const char *name) {
-  if (name)
-    return strstr(properties->deviceName, name) ? 4 : -1;
-  switch (properties->deviceType) {
-  case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
-    return 3;
-  case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
-    return 2;
-  case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
-    return 1;
-  default:
-    return 0;
-  }
-}
-
-static VkResult choose_device(floor_loop *loop) {
-  VkPhysicalDevice devices[16];
-  uint32_t count = sizeof devices / sizeof devices[0];
-  int best = -1;
-  const VkResult result = vkEnumeratePhysicalDevices(loop->instance, &count, devices);
-  if (result < 0)
-    return result;
-  for (uint32_t i = 0; i < count; ++i) {
-    VkPhysicalDeviceProperties properties;
-    vkGetPhysicalDeviceProperties(devices[i], &properties);
-    const int rank = rank_device(&properties, loop->info.device);
-    if (rank > best) {
-      best = rank;
-      loop->physical = devices[i];
-    }
-  }
-  return best < 0 ? VK_ERROR_INITIALIZATION_FAILED : VK_SUCCESS;
-}
-
-static VkResult open_device(floor_loop *loop) {
-  VkResult result = open_instance(loop);
-  if (!result)
-    result = choose_device(loop);
-  if (result)
-    return result;
-  VkQueueFamilyProperties families[16];
-  uint32_t count = sizeof families / sizeof families[0];
-  vkGetPhysicalDeviceQueueFamilyProperties(loop->physical, &count, families);
-  while (loop->family < count && !(families[loop->family].queueFlags & VK_QUEUE_GRAPHICS_BIT))
-    ++loop->family;
-  const float priority = 1;
-  const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
-                                         .queueFamilyIndex = loop->family,
-                                         .queueCount = 1,
-                                         .pQueuePriorities = &priority};
-  const VkPhysicalDeviceFeatures features = {.depthClamp = VK_TRUE};
-  const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                                   .queueCreateInfoCount = 1,
-                                   .pQueueCreateInfos = &queue,
-                                   .pEnabledFeatures = &features};
-  result = vkCreateDevice(loop->physical, &info, NULL, &loop->device);
-  if (!result)
-    vkGetDeviceQueue(loop->device, loop->family, 0, &loop->queue);
-  return result;
-}
-
 /* ---- memory ---- */
 
 static uint32_t memory_type(const floor_loop *loop, uint32_t allowed, VkMemoryPropertyFlags wanted) {
   VkPhysicalDeviceMemoryProperties memory;
-  vkGetPhysicalDeviceMemoryProperties(loop->physical, &memory);
+  vkGetPhysicalDeviceMemoryProperties(loop->vulkan.physical, &memory);
   for (uint32_t i = 0; i < memory.memoryTypeCount; ++i)
     if (allowed >> i & 1 && (memory.memoryTypes[i].propertyFlags & wanted) == wanted)
       return i;
@@ -316,7 +243,7 @@ static VkResult make_pipeline(floor_loop *loop) {
 static VkResult make_commands(floor_loop *loop) {
   const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                         .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
-                                        .queueFamilyIndex = loop->family};
+                                        .queueFamilyIndex = loop->vulkan.family};
   VkResult result = vkCreateCommandPool(loop->device, &pool, NULL, &loop->pool);
   if (result)
     return result;
@@ -335,7 +262,8 @@ int floor_open(floor_loop **out, const floor_info *info, char *error, size_t err
   if (!loop)
     return HOST_NO_DEVICE;
   loop->info = *info;
-  VkResult result = open_device(loop);
+  VkResult result = vulkan_device_open(&loop->vulkan, info->device);
+  loop->device = loop->vulkan.device;
   if (!result)
     result = upload_geometry(loop);
   if (!result)
@@ -425,14 +353,14 @@ double floor_frame(floor_loop *loop) {
     record_cascade(loop, i);
   const VkSubmitInfo submit = {
       .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &loop->commands};
-  if (vkEndCommandBuffer(loop->commands) || vkQueueSubmit(loop->queue, 1, &submit, loop->fence) ||
+  if (vkEndCommandBuffer(loop->commands) || vkQueueSubmit(loop->vulkan.queue, 1, &submit, loop->fence) ||
       vkWaitForFences(loop->device, 1, &loop->fence, VK_TRUE, UINT64_MAX) ||
       vkResetFences(loop->device, 1, &loop->fence))
     return -1;
   return clock_ms() - start_ms;
 }
 
-static void close_device(floor_loop *loop) {
+static void destroy_objects(floor_loop *loop) {
   vkDeviceWaitIdle(loop->device);
   vkDestroyFence(loop->device, loop->fence, NULL);
   vkDestroyCommandPool(loop->device, loop->pool, NULL);
@@ -449,16 +377,14 @@ static void close_device(floor_loop *loop) {
   vkFreeMemory(loop->device, loop->maps_memory, NULL);
   vkFreeMemory(loop->device, loop->geometry_memory, NULL);
   vkFreeMemory(loop->device, loop->matrices_memory, NULL);
-  vkDestroyDevice(loop->device, NULL);
 }
 
 void floor_close(floor_loop *loop) {
   if (!loop)
     return;
   if (loop->device)
-    close_device(loop);
-  if (loop->instance)
-    vkDestroyInstance(loop->instance, NULL);
+    destroy_objects(loop);
+  vulkan_device_close(&loop->vulkan);
   free(loop->meshes);
   free(loop);
 }

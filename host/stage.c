@@ -42,6 +42,27 @@ static void describe_device(stage *s) {
     }
 }
 
+static csm_mesh_info describe_mesh(const scene_mesh *mesh) {
+  return (csm_mesh_info){.struct_size = sizeof(csm_mesh_info),
+                         .positions = mesh->positions,
+                         .vertex_count = mesh->vertex_count,
+                         .indices = mesh->indices,
+                         .index_count = mesh->index_count,
+                         .index_size = mesh->index_size,
+                         .name = mesh->name};
+}
+
+/* The scene stays in memory, so csm need not keep a copy of it for csm_switch_backend. */
+static csm_result CSM_CALL supply_mesh(void *user, csm_mesh mesh, csm_mesh_info *info) {
+  const stage *s = user;
+  for (size_t m = 0; m < s->setup->scene.mesh_count; m++)
+    if (s->meshes[m] == mesh) {
+      *info = describe_mesh(&s->setup->scene.meshes[m]);
+      return CSM_SUCCESS;
+    }
+  return CSM_ERROR_INVALID_HANDLE;
+}
+
 int stage_open(stage *out, const char *backend, const char *device) {
   *out = (stage){.backend = backend};
   const csm_create_info info = {.struct_size = sizeof info,
@@ -49,7 +70,8 @@ int stage_open(stage *out, const char *backend, const char *device) {
                                 .backend = backend,
                                 .device = device,
                                 .log = log_message,
-                                .user = out};
+                                .user = out,
+                                .supply = supply_mesh};
   if (csm_create(&info, &out->context) != CSM_SUCCESS)
     return HOST_NO_DEVICE;
   describe_device(out);
@@ -66,14 +88,7 @@ void stage_close(stage *s) {
 static int upload_meshes(stage *s, const scene *from) {
   s->meshes = host_allocate(from->mesh_count, sizeof *s->meshes);
   for (size_t m = 0; m < from->mesh_count; m++) {
-    const scene_mesh *mesh = &from->meshes[m];
-    const csm_mesh_info info = {.struct_size = sizeof info,
-                                .positions = mesh->positions,
-                                .vertex_count = mesh->vertex_count,
-                                .indices = mesh->indices,
-                                .index_count = mesh->index_count,
-                                .index_size = mesh->index_size,
-                                .name = mesh->name};
+    const csm_mesh_info info = describe_mesh(&from->meshes[m]);
     const int code = exit_code(csm_mesh_create(s->context, &info, &s->meshes[m]));
     if (code)
       return code;

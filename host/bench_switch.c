@@ -1,0 +1,41 @@
+#include "bench_switch.h"
+
+#include "host.h"
+#include "stage.h"
+#include <stdlib.h>
+
+static int switch_once(stage *s, const char *backend, const char *device, double *ms) {
+  char error[512] = "";
+  const csm_create_info info = {.struct_size = sizeof info,
+                                .version = CSM_VERSION,
+                                .backend = backend,
+                                .device = device,
+                                .error = error,
+                                .error_size = sizeof error};
+  const double start_ms = host_now_ms();
+  if (csm_switch_backend(s->context, &info))
+    return host_fail(HOST_NO_DEVICE, "switching to %s: %s", backend, error);
+  *ms = host_now_ms() - start_ms;
+  return stage_render(s);
+}
+
+int bench_switch_run(bench_switch *out, const host_setup *setup, const char *device, uint32_t rounds) {
+  double *samples[HOST_BACKENDS];
+  stage s;
+  *out = (bench_switch){.rounds = rounds};
+  for (int i = 0; i < HOST_BACKENDS; i++)
+    samples[i] = host_allocate(rounds, sizeof *samples[i]);
+  int code = stage_open(&s, host_backend_names[0], device);
+  if (code == 0)
+    code = stage_load(&s, setup);
+  for (uint32_t round = 0; round < rounds && code == 0; round++)
+    for (int i = HOST_BACKENDS; i-- > 0 && code == 0;)
+      code = switch_once(&s, host_backend_names[i], device, &samples[i][round]);
+  for (int i = 0; i < HOST_BACKENDS; i++) {
+    if (code == 0)
+      out->switch_ms[i] = estimate_median(samples[i], rounds);
+    free(samples[i]);
+  }
+  stage_close(&s);
+  return code;
+}

@@ -1,0 +1,32 @@
+/* no_vulkan.c: in place of floor.c and bench_engine.c in a build without Vulkan. */
+#include "bench_engine.h"
+#include "floor.h"
+#include "host.h"
+#include <stdio.h>
+
+int floor_open(floor_loop **out, const floor_info *info, char *error, size_t error_size) {
+  (void)info;
+  *out = NULL;
+  snprintf(error, error_size, "this csm-host was built without Vulkan");
+  return HOST_NO_DEVICE;
+}
+
+double floor_frame(floor_loop *loop) {
+  (void)loop;
+  return -1.0;
+}
+
+void floor_close(floor_loop *loop) {
+  (void)loop;
+}
+
+/* Never called without a floor. */
+int bench_engine_run(bench_engine *out, const host_setup *setup, const bench_plan *many, const char *device,
+                     uint32_t frames) {
+  (void)setup;
+  (void)many;
+  (void)device;
+  (void)frames;
+  *out = (bench_engine){0};
+  return host_fail(HOST_NO_DEVICE, "this csm-host was built without Vulkan");
+}
