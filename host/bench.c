@@ -148,7 +148,7 @@ static estimate ratio_of(const bench *b, const contender *top, const contender *
 
 static int time_planning(bench *b) {
   bench_plan many;
-  const int code = bench_plan_make(&many, &b->setup, MANY_INSTANCES);
+  int code = bench_plan_make(&many, &b->setup, MANY_INSTANCES);
   if (code == 0)
     b->many_plan = bench_plan_time(&many, &b->setup, b->pairs);
   if (code == 0 && b->floor)
