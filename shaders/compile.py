@@ -2,12 +2,12 @@
 """Compiles the shaders: one HLSL source each, SPIR-V for Vulkan and DXBC for Direct3D 12.
 
   compile.py embed OUT_C OUT_H GLSLANG SPIRV_VAL SHADER...   build: SPIR-V made now, DXBC as committed, both as C
-  compile.py dxbc VKD3D_COMPILER                             makes dxbc/ and its MANIFEST anew, for ./dev shaders
-  compile.py check [FOLDER]                                  fails where HLSL, dxbc/ and MANIFEST do not belong together
+  compile.py dxbc VKD3D_COMPILER FOLDER...                   makes FOLDER/dxbc and its MANIFEST anew, for ./dev shaders
+  compile.py check FOLDER...                                 fails where HLSL, dxbc/ and MANIFEST do not belong together
 
 A shader is NAME.STAGE.hlsl, STAGE being vs, ps or cs, with `main` as its entry. Includes are pasted in here, looked up
-beside the including file and then in this folder, so that both compilers get the same text, whatever their own rules.
-MANIFEST has a line for each shader: its name, the SHA-256 of that text, and the SHA-256 of its DXBC.
+beside the including file and then in the shader's folder, so that both compilers get the same text, whatever their own
+rules. MANIFEST has a line for each shader: its name, the SHA-256 of that text, and the SHA-256 of its DXBC.
 """
 import hashlib
 import pathlib
@@ -16,7 +16,6 @@ import subprocess
 import sys
 import tempfile
 
-HERE = pathlib.Path(__file__).resolve().parent
 STAGES = {"vs": ("vert", "vs_5_0"), "ps": ("frag", "ps_5_0"), "cs": ("comp", "cs_5_0")}
 SPIRV_OPTIONS = (
     "-D -V -e main --quiet --target-env vulkan1.1 --hlsl-iomap --shift-cbuffer-binding 0 --shift-texture-binding 16 "
@@ -80,9 +79,10 @@ def words(name, code):
 
 
 def embed(out_c, out_h, glslang, spirv_val, *paths):
-    header = ["/* Made by shaders/compile.py. */", "#ifndef SHADER_CODE_H", "#define SHADER_CODE_H", "",
-              '#include "gpu.h"', ""]
-    source = ["/* Made by shaders/compile.py. */", '#include "shader_code.h"', ""]
+    header_name = pathlib.Path(out_h).name
+    guard = header_name.upper().replace(".", "_")
+    header = ["/* Made by shaders/compile.py. */", f"#ifndef {guard}", f"#define {guard}", "", '#include "gpu.h"', ""]
+    source = ["/* Made by shaders/compile.py. */", f'#include "{header_name}"', ""]
     with tempfile.TemporaryDirectory() as folder:
         for path in (pathlib.Path(p).resolve() for p in paths):
             name = path.name.removesuffix(".hlsl")
@@ -99,29 +99,33 @@ def embed(out_c, out_h, glslang, spirv_val, *paths):
     pathlib.Path(out_c).write_text("\n".join(source))
 
 
-def dxbc(compiler):
-    folder = HERE / "dxbc"
+def make_dxbc(compiler, root):
+    folder = root / "dxbc"
     folder.mkdir(exist_ok=True)
     manifest = []
     with tempfile.TemporaryDirectory() as scratch:
-        for name, path in shaders(HERE).items():
-            text = flatten(path, HERE)
+        for name, path in shaders(root).items():
+            text = flatten(path, root)
             source = pathlib.Path(scratch) / f"{name}.hlsl"
             source.write_text(text)
             blob = folder / f"{name}.dxbc"
             run(compiler, "-x", "hlsl", "-b", "dxbc-tpf", "-p", STAGES[name.split(".")[1]][1], "-e", "main", "-o", blob,
                 source)
             manifest.append(f"{name} {digest(text.encode())} {digest(blob.read_bytes())}\n")
-            print(f"{blob.relative_to(HERE.parent)}: {blob.stat().st_size} bytes")
+            print(f"{root.name}/dxbc/{blob.name}: {blob.stat().st_size} bytes")
     for blob in folder.glob("*.dxbc"):
-        if blob.stem not in shaders(HERE):
+        if blob.stem not in shaders(root):
             blob.unlink()
     (folder / "MANIFEST").write_text("".join(manifest))
 
 
-def check(folder=HERE):
-    """Says what has drifted apart, and how to mend it."""
-    root = pathlib.Path(folder).resolve()
+def dxbc(compiler, *folders):
+    for folder in folders:
+        make_dxbc(compiler, pathlib.Path(folder).resolve())
+
+
+def drift(root):
+    """What has drifted apart in a folder, a line each, and how many shaders it has."""
     recorded = {}
     for line in (root / "dxbc/MANIFEST").read_text().splitlines():
         name, source_hash, blob_hash = line.split()
@@ -136,9 +140,18 @@ def check(folder=HERE):
             wrong.append(f"{name}: the HLSL has changed since its DXBC was made")
         elif digest(blob.read_bytes()) != recorded[name][1]:
             wrong.append(f"{name}: the DXBC is not the one in MANIFEST")
-    if wrong:
-        sys.exit("\n".join(sorted(wrong)) + "\nRun ./dev shaders and commit shaders/dxbc.")
-    print(f"{len(present)} shaders: HLSL, DXBC and MANIFEST belong together")
+    return wrong, len(present)
+
+
+def check(*folders):
+    """Says what has drifted apart, and how to mend it."""
+    total = 0
+    for folder in folders:
+        wrong, count = drift(pathlib.Path(folder).resolve())
+        if wrong:
+            sys.exit("\n".join(sorted(wrong)) + f"\nRun ./dev shaders and commit {folder}/dxbc.")
+        total += count
+    print(f"{total} shaders: HLSL, DXBC and MANIFEST belong together")
 
 
 if __name__ == "__main__":
