@@ -189,7 +189,8 @@ static void print_results(FILE *to, const bench *b) {
     fprintf(to, "  %-14s %9.2f   %8.2f .. %-8.2f  %s; %s\n", c->name, ms.median, ms.low, ms.high, device_of(b, c),
             c->stage ? c->stage->driver : "the same driver");
   }
-  fprintf(to, "\n  %-14s %9s   %-21s at most\n", "ratio", "median", "95 % interval");
+  if (b->contender_count > 1)
+    fprintf(to, "\n  %-14s %9s   %-21s at most\n", "ratio", "median", "95 % interval");
   for (uint32_t i = 1; i < b->contender_count; i++) {
     const contender *top = &b->contenders[i], *bottom = top - 1;
     const estimate ratio = ratio_of(b, top, bottom);

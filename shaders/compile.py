@@ -3,7 +3,7 @@
 
   compile.py embed OUT_C OUT_H GLSLANG SPIRV_VAL SHADER...   build: SPIR-V made now, DXBC as committed, both as C
   compile.py dxbc VKD3D_COMPILER FOLDER...                   makes FOLDER/dxbc and its MANIFEST anew, for ./dev shaders
-  compile.py check FOLDER                                    fails where HLSL, dxbc/ and MANIFEST do not belong together
+  compile.py check FOLDER...                                 fails where HLSL, dxbc/ and MANIFEST do not belong together
 
 A shader is NAME.STAGE.hlsl, STAGE being vs, ps or cs, with `main` as its entry. Includes are pasted in here, looked up
 beside the including file, in the shader's folder, then in the include/ beside this script, so that both compilers get the
@@ -83,7 +83,7 @@ def words(name, code):
 
 def embed(out_c, out_h, glslang, spirv_val, *paths):
     header_name = pathlib.Path(out_h).name
-    guard = header_name.replace(".", "_").upper()
+    guard = header_name.upper().replace(".", "_")
     header = ["/* Made by shaders/compile.py. */", f"#ifndef {guard}", f"#define {guard}", "", '#include "gpu.h"', ""]
     source = ["/* Made by shaders/compile.py. */", f'#include "{header_name}"', ""]
     with tempfile.TemporaryDirectory() as folder:
@@ -102,11 +102,6 @@ def embed(out_c, out_h, glslang, spirv_val, *paths):
     pathlib.Path(out_c).write_text("\n".join(source))
 
 
-def dxbc(compiler, *roots):
-    for root in (pathlib.Path(r).resolve() for r in roots):
-        make_dxbc(compiler, root)
-
-
 def make_dxbc(compiler, root):
     folder = root / "dxbc"
     folder.mkdir(exist_ok=True)
@@ -120,16 +115,20 @@ def make_dxbc(compiler, root):
             run(compiler, "-x", "hlsl", "-b", "dxbc-tpf", "-p", STAGES[name.split(".")[1]][1], "-e", "main", "-o", blob,
                 source)
             manifest.append(f"{name} {digest(text.encode())} {digest(blob.read_bytes())}\n")
-            print(f"{blob.relative_to(HERE.parent)}: {blob.stat().st_size} bytes")
+            print(f"{root.name}/dxbc/{blob.name}: {blob.stat().st_size} bytes")
     for blob in folder.glob("*.dxbc"):
         if blob.stem not in shaders(root):
             blob.unlink()
     (folder / "MANIFEST").write_text("".join(manifest))
 
 
-def check(folder):
-    """Says what has drifted apart, and how to mend it."""
-    root = pathlib.Path(folder).resolve()
+def dxbc(compiler, *folders):
+    for folder in folders:
+        make_dxbc(compiler, pathlib.Path(folder).resolve())
+
+
+def drift(root):
+    """What has drifted apart in a folder, a line each, and how many shaders it has."""
     recorded = {}
     for line in (root / "dxbc/MANIFEST").read_text().splitlines():
         name, source_hash, blob_hash = line.split()
@@ -144,9 +143,18 @@ def check(folder):
             wrong.append(f"{name}: the HLSL has changed since its DXBC was made")
         elif digest(blob.read_bytes()) != recorded[name][1]:
             wrong.append(f"{name}: the DXBC is not the one in MANIFEST")
-    if wrong:
-        sys.exit("\n".join(sorted(wrong)) + f"\nRun ./dev shaders and commit {root.name}/dxbc.")
-    print(f"{len(present)} shaders: HLSL, DXBC and MANIFEST belong together")
+    return wrong, len(present)
+
+
+def check(*folders):
+    """Says what has drifted apart, and how to mend it."""
+    total = 0
+    for folder in folders:
+        wrong, count = drift(pathlib.Path(folder).resolve())
+        if wrong:
+            sys.exit("\n".join(sorted(wrong)) + f"\nRun ./dev shaders and commit {folder}/dxbc.")
+        total += count
+    print(f"{total} shaders: HLSL, DXBC and MANIFEST belong together")
 
 
 if __name__ == "__main__":

@@ -1,2 +1,2 @@
 #define CSM_FILTER_TAPS 1
-#include "include/mask.hlsl"
+#include "private/mask.hlsl"

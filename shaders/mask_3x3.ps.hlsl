@@ -1,2 +1,2 @@
 #define CSM_FILTER_TAPS 3
-#include "include/mask.hlsl"
+#include "private/mask.hlsl"

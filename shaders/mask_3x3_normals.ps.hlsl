@@ -1,3 +1,3 @@
 #define CSM_FILTER_TAPS 3
 #define MASK_NORMALS
-#include "include/mask.hlsl"
+#include "private/mask.hlsl"

@@ -1,12 +1,13 @@
 /*
  * backend_smoke.c: one backend alone, through gpu.h, against results known by analysis.
  *
- *   backend_smoke BACKEND SHADERS [DEVICE]
+ *   backend_smoke BACKEND [DEVICE]
  *
- * BACKEND is a backend's library, SHADERS a folder with backend_smoke/NAME.hlsl compiled to NAME.spv and, for Direct3D
- * 12, NAME.dxbc. Exits with 0 if all holds, with 1 and a list of what does not otherwise, with 3 without a device.
+ * BACKEND is a backend's library. Exits with 0 if all holds, with 1 and a list of what does not otherwise, with 3
+ * without a device.
  */
 #include "gpu.h"
+#include "smoke_code.h"
 
 #include <dlfcn.h>
 #include <math.h>
@@ -38,7 +39,6 @@ typedef struct smoke {
   const gpu_backend *gpu;
   gpu_device *device;
   gpu_host host;
-  const char *shaders;
   uint32_t failures, messages;
   int64_t live_allocations;
   gpu_buffer *staging, *geometry;
@@ -75,35 +75,6 @@ static void CSM_CALL count_message(void *user, int32_t level, const char *messag
   if (level <= CSM_LOG_WARNING)
     ((smoke *)user)->messages++;
   fprintf(stderr, "log %d: %s\n", level, message);
-}
-
-static void *read_file(const char *folder, const char *name, const char *extension, size_t *size) {
-  char path[1024];
-  snprintf(path, sizeof path, "%s/%s.%s", folder, name, extension);
-  *size = 0;
-  FILE *file = fopen(path, "rb");
-  if (!file)
-    return NULL;
-  fseek(file, 0, SEEK_END);
-  const long length = ftell(file);
-  rewind(file);
-  void *data = malloc((size_t)length);
-  if (data)
-    *size = fread(data, 1, (size_t)length, file);
-  fclose(file);
-  return data;
-}
-
-static gpu_code read_code(const smoke *s, const char *name) {
-  gpu_code code;
-  code.spirv = read_file(s->shaders, name, "spv", &code.spirv_size);
-  code.dxbc = read_file(s->shaders, name, "dxbc", &code.dxbc_size);
-  return code;
-}
-
-static void free_code(gpu_code code) {
-  free((void *)code.spirv);
-  free((void *)code.dxbc);
 }
 
 /* ---- objects ---- */
@@ -144,10 +115,8 @@ static gpu_program *make_program(smoke *s, gpu_program_info info) {
 }
 
 static void make_programs(smoke *s) {
-  const gpu_code depth = read_code(s, "depth.vs"), screen = read_code(s, "screen.vs"),
-                 compare = read_code(s, "compare.ps");
   gpu_program_info info = {.name = "depth",
-                           .vertex = depth,
+                           .vertex = shader_depth_vs,
                            .stream_count = 2,
                            .streams = {{.stride = 12}, {.stride = 48, .per_instance = true}},
                            .attribute_count = 4,
@@ -169,17 +138,14 @@ static void make_programs(smoke *s) {
   info.depth_clip = true;
   s->depth_clipped = make_program(s, info);
   s->compare = make_program(s, (gpu_program_info){.name = "compare",
-                                                  .vertex = screen,
-                                                  .pixel = compare,
+                                                  .vertex = shader_screen_vs,
+                                                  .pixel = shader_compare_ps,
                                                   .constants_count = 2,
                                                   .constants_sizes = {16, 16},
                                                   .texture_count = 1,
                                                   .sampler_count = 1,
                                                   .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL},
                                                   .color_format = GPU_FORMAT_R8_UNORM});
-  free_code(depth);
-  free_code(screen);
-  free_code(compare);
 }
 
 static void make_objects(smoke *s) {
@@ -566,17 +532,17 @@ static bool load(smoke *s, const char *path) {
 }
 
 int main(int count, char **arguments) {
-  if (count < 3) {
-    fprintf(stderr, "usage: backend_smoke BACKEND SHADERS [DEVICE]\n");
+  if (count < 2) {
+    fprintf(stderr, "usage: backend_smoke BACKEND [DEVICE]\n");
     return 2;
   }
-  smoke s = {.shaders = arguments[2]};
+  smoke s = {0};
   s.host = (gpu_host){.user = &s, .allocate = count_allocate, .release = count_release, .log = count_message};
   if (!load(&s, arguments[1]))
     return 1;
   char error[256] = "";
   const gpu_open_info info = {.host = &s.host,
-                              .device_name = count > 3 ? arguments[3] : NULL,
+                              .device_name = count > 2 ? arguments[2] : NULL,
                               .validate = true,
                               .slots = SLOTS,
                               .error = error,

@@ -1,17 +1,20 @@
 #!/usr/bin/env python3
-"""drift.py SHADERS: HLSL and DXBC belong together, and the check that says so sees every kind of drift."""
+"""drift.py COMPILE FOLDER...: HLSL and DXBC belong together, and the check that says so sees every kind of drift.
+
+COMPILE is shaders/compile.py. The kinds are tried in a copy of the first folder.
+"""
 import pathlib
 import shutil
 import subprocess
 import sys
 import tempfile
 
-shaders = pathlib.Path(sys.argv[1])
+compiler, shaders, *others = map(pathlib.Path, sys.argv[1:])
 
 
-def check(folder):
-    done = subprocess.run([sys.executable, shaders / "compile.py", "check", folder], stderr=subprocess.STDOUT,
-                          stdout=subprocess.PIPE, text=True)
+def check(*folders):
+    done = subprocess.run([sys.executable, compiler, "check", *folders], stderr=subprocess.STDOUT, stdout=subprocess.PIPE,
+                          text=True)
     return done.returncode, done.stdout
 
 
@@ -19,7 +22,7 @@ def append(path, text):
     path.write_text(path.read_text() + text)
 
 
-status, output = check(shaders)
+status, output = check(shaders, *others)
 print(output, end="")
 if status:
     sys.exit(1)

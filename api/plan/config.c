@@ -27,9 +27,9 @@ typedef struct config_entry {
  *   that much: a plane never shadows itself, and less would not do for every place of the receiver in its texel.
  * - slope_max: a receiver that light meets at a cosine of 0.02 has a slope of 50, and |sr| + |su| is at most sqrt(2)
  *   times that: 71. Up to there nothing is cut off; beyond it a receiver gets almost no light.
- * - constant: covers rounding, whatever the slope. The rasteriser places vertices to 1/256 pixel, which moves a plane
- * of slope 50 by at most 50 / 512 = 0.1 texel; D32 over a range of 64 radii at 2048 texels, and the float arithmetic
- * that leads there, is off by 2^-22 of the range, 0.016 texel.
+ * - constant: covers rounding, whatever the slope. The rasteriser places vertices to 1/256 pixel, which moves a
+ *   plane of slope 50 by at most 50 / 512 = 0.1 texel. D32 over a range of 64 radii at 2048 texels, and the float
+ *   arithmetic that leads there, is off by 2^-22 of the range: 0.016 texel.
  */
 static const config_entry entries[] = {
     ENTRY(cascade_count, .type = CSM_FIELD_UINT, .length = 1, .minimum = 1, .maximum = CSM_MAX_CASCADES,

@@ -4,7 +4,7 @@
 
 #include "plan/plan.h"
 
-/* Largest entry of view * transpose(view) - 1, as a Frobenius norm, at which a view still counts as rigid. */
+/* Largest Frobenius norm of transpose(view) * view - 1 at which a view still counts as rigid. */
 #define PLAN_RIGID_TOLERANCE 1e-3
 
 /* ---- vectors ---- */

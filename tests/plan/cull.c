@@ -2,6 +2,7 @@
 #include "support.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct culled_frame {
@@ -263,6 +264,42 @@ static void takes_points_and_crowds(void **state) {
   scene_free(&scene);
 }
 
+/* In exactly the memory that is asked for; a sanitizer build sees the first byte beyond it. */
+static void needs_no_more_memory_than_it_says(void **state) {
+  (void)state;
+  const test_camera camera = plain_camera();
+  double view[16], projection[16];
+  camera_matrices(&camera, view, projection);
+  for (uint32_t count = 1; count <= CSM_MAX_CASCADES; ++count)
+    for (uint32_t mesh_count = 1; mesh_count <= 2 * instances; mesh_count *= 7) {
+      test_scene scene = scene_make(instances, mesh_count);
+      free(scene.memory);
+      scene.memory = malloc(plan_memory_size(instances, mesh_count, count));
+      for (uint32_t i = 0; i < instances; ++i) {
+        for (int k = 0; k < 3; ++k)
+          scene.instances[i].transform[k * 5] = 1.0;
+        scene.instances[i].transform[11] = -5.0;
+        scene.instances[i].mesh = (i * 31) % mesh_count;
+      }
+      csm_config config = default_config();
+      config.cascade_count = count;
+      plan_frame frame;
+      const char *error = "";
+      assert_int_equal(
+          plan_frame_make(&frame, &config, view, projection, (double[]){0, -1, 0}, &scene.scene, scene.memory, &error),
+          CSM_SUCCESS);
+      for (uint32_t c = 0; c < count; ++c)
+        check_list(&frame.cascades[c].list, &scene.scene);
+      free(scene.memory);
+      scene.memory = malloc(plan_memory_size(instances, mesh_count, 0));
+      plan_list list;
+      plan_view_make(&list, &frame.camera, &scene.scene, scene.memory);
+      assert_int_equal(list.instance_count, instances);
+      check_list(&list, &scene.scene);
+      scene_free(&scene);
+    }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(keeps_all_that_casts_into_a_map),
@@ -272,6 +309,7 @@ int main(void) {
       cmocka_unit_test(a_camera_culls_what_it_does_not_see),
       cmocka_unit_test(an_empty_scene_draws_nothing),
       cmocka_unit_test(takes_points_and_crowds),
+      cmocka_unit_test(needs_no_more_memory_than_it_says),
   };
   return cmocka_run_group_tests_name("plan-cull", tests, NULL, NULL);
 }

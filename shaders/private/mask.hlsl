@@ -1,5 +1,5 @@
 // The mask: visibility of every pixel of a camera's depth image.
-#include "include/csm_constants.h"
+#include "csm_constants.h"
 
 cbuffer cascades_block : register(b0)
 {
@@ -16,7 +16,7 @@ Texture2D<float4> normals : register(t2);
 #endif
 SamplerComparisonState csm_compare : register(s0);
 
-#include "include/csm_sample.hlsl"
+#include "csm_sample.hlsl"
 
 float load_depth(int2 pixel)
 {
