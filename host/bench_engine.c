@@ -126,7 +126,7 @@ static int draw_frame(engine *e, const host_setup *setup, uint32_t instance_coun
 }
 
 static int draw_frames(engine *e, bench_engine *out, const host_setup *setup, uint32_t instance_count) {
-  double *samples = host_allocate(out->frames, sizeof *samples), ms;
+  double *samples = host_allocate(out->frames, sizeof *samples), ms = 0.0;
   int code = 0;
   for (uint32_t i = 0; i < warm_up + out->frames && !code; ++i) {
     if (i == warm_up)

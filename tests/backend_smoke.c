@@ -156,7 +156,9 @@ static void make_objects(smoke *s) {
   s->plain = make_image(s, (gpu_image_info){"plain", GPU_FORMAT_D32_FLOAT, GPU_IMAGE_TARGET | GPU_IMAGE_COPY_SOURCE,
                                             SIZE, SIZE, 1, false});
   CHECK(s, s->gpu->image_bytes(s->map) >= (uint64_t)LAYERS * LAYER_BYTES, "too few bytes");
-  CHECK(s, s->gpu->image_native(s->map) != 0, "no native handle");
+  gpu_native_image native;
+  s->gpu->image_native(s->device, s->map, &native);
+  CHECK(s, native.image != 0, "no native handle");
   for (uint32_t i = 0; i < LAYERS; i++)
     s->map_targets[i] = make_target(s, (gpu_target_info){.name = "map layer", .depth = s->map, .depth_layer = i});
   s->mask_target = make_target(s, (gpu_target_info){.name = "mask", .color = s->mask});
@@ -235,7 +237,7 @@ static void draw_pass(smoke *s, gpu_target *target, gpu_program *program, gpu_bu
 }
 
 static void begin(smoke *s, uint32_t slot) {
-  const csm_result result = s->gpu->begin(s->device, slot, NULL);
+  const csm_result result = s->gpu->begin(s->device, &(gpu_record_info){.slot = slot, .first = true});
   CHECK(s, result == CSM_SUCCESS, "begin: %d", result);
 }
 
@@ -340,7 +342,7 @@ static void check_frame(smoke *s, uint32_t frame) {
   csm_result result = s->gpu->wait(s->device, index);
   CHECK(s, result == CSM_SUCCESS, "wait: %d", result);
   uint64_t times[3] = {0};
-  result = s->gpu->timestamps(s->device, index, 3, times);
+  result = s->gpu->timestamps(s->device, index, 0, 3, times);
   CHECK(s, result == CSM_SUCCESS, "timestamps: %d", result);
   CHECK(s, times[0] < times[1] && times[1] < times[2], "frame %u: %llu %llu %llu ns", frame,
         (unsigned long long)times[0], (unsigned long long)times[1], (unsigned long long)times[2]);
