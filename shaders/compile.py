@@ -6,8 +6,8 @@
   compile.py check FOLDER...                                 fails where HLSL, dxbc/ and MANIFEST do not belong together
 
 A shader is NAME.STAGE.hlsl, STAGE being vs, ps or cs, with `main` as its entry. Includes are pasted in here, looked up
-beside the including file, in the shader's folder, then in the include/ beside this script, so that both compilers get the
-same text, whatever their own rules.
+beside the including file, in the shader's folder, in its include/ and in the one beside this script, so that both
+compilers get the same text, whatever their own rules.
 MANIFEST has a line for each shader: its name, the SHA-256 of that text, and the SHA-256 of its DXBC.
 """
 import hashlib
@@ -37,7 +37,7 @@ def flatten(path, root, marked=False, open_files=()):
         if not include:
             lines.append(line)
             continue
-        found = next((f / include[1] for f in (path.parent, root, HERE / "include") if (f / include[1]).is_file()), None)
+        found = next((f / include[1] for f in (path.parent, root, root / "include", HERE / "include") if (f / include[1]).is_file()), None)
         if not found:
             sys.exit(f"{path}:{number}: there is no {include[1]}")
         lines.append(flatten(found.resolve(), root, marked, open_files + (path,)))
