@@ -176,10 +176,10 @@ csm_result CSM_CALL csm_switch_backend(csm_context *context, const csm_create_in
   device *fresh;
   cascade_maps **maps;
   csm_result result = context_check_struct(context, struct_read(&info, sizeof info, in), "csm_create_info");
-  if (!result && (result = check_info(&info, &text)))
-    context_fail(context, result, "%s", text);
-  if (!result)
-    result = device_open(context, &info, &fresh);
+  if (result)
+    return result;
+  result = check_info(&info, &text);
+  result = result ? context_fail(context, result, "%s", text) : device_open(context, &info, &fresh);
   if (result)
     return refuse(&info, result, context->error);
   result = meshes_move(context, fresh);
