@@ -50,7 +50,7 @@ static csm_create_info to(fixture *f, const char *backend) {
 /* The masks of both suns at a step of the camera's path, one after the other. */
 static void draw(fixture *f, int step, float masks[2 * pixels]) {
   csm_frame frame = f->scene.frame;
-  frame.view[12] += 0.05 * step;
+  frame.view[12] += 0.05 * (step % 40);
   for (int i = 0; i < 2; ++i) {
     frame.light_direction[0] = i ? -0.3 : 0.4;
     assert_int_equal(csm_render_cascades(f->cascades[i], &frame), CSM_SUCCESS);
