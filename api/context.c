@@ -112,6 +112,7 @@ void CSM_CALL csm_destroy(csm_context *context) {
   }
   close_former(context, UINT64_MAX);
   meshes_destroy(context);
+  opacities_destroy(context);
   context_release(context, context->scratch);
   context_release(context, context);
 }
@@ -182,7 +183,9 @@ csm_result CSM_CALL csm_switch_backend(csm_context *context, const csm_create_in
   result = result ? context_fail(context, result, "%s", text) : device_open(context, &info, &fresh);
   if (result)
     return refuse(&info, result, context->error);
-  result = meshes_move(context, fresh);
+  result = opacities_move(context, fresh);
+  if (!result)
+    result = meshes_move(context, fresh);
   if (!result)
     result = make_all_maps(context, fresh, &maps);
   if (result) {

@@ -21,6 +21,18 @@ typedef struct mesh_table {
   uint32_t count, capacity, first_free;
 } mesh_table;
 
+typedef struct opacity_slot {
+  uint32_t generation; /* of the handle; even: free */
+  uint32_t next_free;
+  uint32_t users;        /* meshes */
+  csm_opacity_info info; /* texels are the context's copy */
+} opacity_slot;
+
+typedef struct opacity_table {
+  opacity_slot *slots;
+  uint32_t count, capacity, first_free;
+} opacity_table;
+
 struct csm_context {
   csm_allocate_function allocate;
   csm_release_function release;
@@ -33,6 +45,7 @@ struct csm_context {
   device *device;
   device *former; /* engines' devices that the context was switched away from, until their last frame is retired */
   mesh_table meshes;
+  opacity_table opacities;
   bool keep_geometry;
   csm_cascades *cascades; /* all of them */
 
@@ -66,6 +79,14 @@ uint32_t meshes_find(const mesh_table *meshes, csm_mesh mesh);
 /* Places every mesh on another device, from copies or what `supply` gives. */
 csm_result meshes_move(csm_context *context, device *to);
 void meshes_destroy(csm_context *context);
+
+/* ---- opacity.c ---- */
+
+/* Index of a live opacity texture, or UINT32_MAX. */
+uint32_t opacities_find(const opacity_table *opacities, csm_opacity opacity);
+/* Makes every texture on another device. */
+csm_result opacities_move(csm_context *context, device *to);
+void opacities_destroy(csm_context *context);
 
 /* ---- scene.c ---- */
 

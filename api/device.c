@@ -47,31 +47,32 @@ static void programs_free(device *device, uint32_t index) {
   }
 }
 
-csm_result device_programs(device *device, uint32_t stride, uint32_t *index) {
+csm_result device_programs(device *device, pass_vertices vertices, uint32_t *index) {
   depth_programs *programs = &device->programs;
   for (*index = 0; *index < programs->count; ++*index)
-    if (programs->strides[*index] == stride)
+    if (programs->vertices[*index].stride == vertices.stride &&
+        programs->vertices[*index].uv_stride == vertices.uv_stride)
       return CSM_SUCCESS;
-  if (*index == DEVICE_MAX_STRIDES)
-    return context_fail(device->context, CSM_ERROR_LIMIT_EXCEEDED, "meshes have more than %d vertex strides",
-                        DEVICE_MAX_STRIDES);
-  csm_result result = device_check(device, cascade_depth_program(device->gpu, stride, &programs->cascade[*index]),
+  if (*index == DEVICE_MAX_SHAPES)
+    return context_fail(device->context, CSM_ERROR_LIMIT_EXCEEDED, "meshes have more than %d shapes of vertices",
+                        DEVICE_MAX_SHAPES);
+  csm_result result = device_check(device, cascade_depth_program(device->gpu, vertices, &programs->cascade[*index]),
                                    "the cascade depth program");
   for (int reversed = 0; reversed < 2 && !result; ++reversed)
     result =
-        device_check(device, camera_depth_program(device->gpu, reversed, stride, &programs->camera[reversed][*index]),
+        device_check(device, camera_depth_program(device->gpu, reversed, vertices, &programs->camera[reversed][*index]),
                      "a camera depth program");
   if (result) {
     programs_free(device, *index);
     return result;
   }
-  programs->strides[programs->count++] = stride;
+  programs->vertices[programs->count++] = vertices;
   return CSM_SUCCESS;
 }
 
 static csm_result make_programs(device *device) {
   uint32_t first;
-  csm_result result = device_programs(device, copied_stride, &first);
+  csm_result result = device_programs(device, (pass_vertices){.stride = copied_stride}, &first);
   for (uint32_t filter = 0; filter < DEVICE_FILTERS; ++filter)
     for (int normals = 0; normals < 2 && !result; ++normals)
       result = device_check(device, mask_program(device->gpu, filter, normals, &device->mask_programs[filter][normals]),
@@ -108,6 +109,7 @@ static void destroy_objects(device *device) {
   device->done = UINT64_MAX;
   retire_collect(device);
   geometry_destroy(device);
+  opacity_destroy(device);
   recording_destroy(device);
   for (uint32_t i = 0; i < device->programs.count; ++i)
     programs_free(device, i);

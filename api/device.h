@@ -9,7 +9,7 @@
 #include "loader.h"
 #include "passes/passes.h"
 
-enum { DEVICE_MAX_SLOTS = 8, DEVICE_FILTERS = 2, DEVICE_MAX_TIMINGS = 8, DEVICE_MAX_STRIDES = 32 };
+enum { DEVICE_MAX_SLOTS = 8, DEVICE_FILTERS = 2, DEVICE_MAX_TIMINGS = 8, DEVICE_MAX_SHAPES = 32 };
 
 typedef struct device device;
 
@@ -34,13 +34,21 @@ typedef struct geometry {
   uint64_t bytes;
 } geometry;
 
-/* Programs that draw vertices, by their stride. The first is that of copied meshes. */
+/* Programs that draw vertices, by their shape. The first is that of copied opaque meshes. */
 typedef struct depth_programs {
   uint32_t count;
-  uint32_t strides[DEVICE_MAX_STRIDES];
-  gpu_program *cascade[DEVICE_MAX_STRIDES];
-  gpu_program *camera[2][DEVICE_MAX_STRIDES]; /* plain, reversed */
+  pass_vertices vertices[DEVICE_MAX_SHAPES];
+  gpu_program *cascade[DEVICE_MAX_SHAPES];
+  gpu_program *camera[2][DEVICE_MAX_SHAPES]; /* plain, reversed */
 } depth_programs;
+
+/* An opacity texture, by slot of the context. */
+typedef struct opacity_image opacity_image;
+typedef struct opacity_images {
+  opacity_image **images;
+  uint32_t capacity;
+  uint32_t due; /* that are not uploaded yet */
+} opacity_images;
 
 /* ---- recordings ---- */
 
@@ -98,6 +106,7 @@ struct device {
   retired *retired;
 
   geometry geometry;
+  opacity_images opacities;
   depth_programs programs;
   gpu_program *mask_programs[DEVICE_FILTERS][2]; /* without and with an engine's normals */
 };
@@ -108,8 +117,8 @@ struct device {
 csm_result device_open(csm_context *context, const csm_create_info *info, device **out);
 /* Destroys everything at once. The GPU must be done with it, or be lost; an own one is waited for. */
 void device_close(device *device);
-/* The index of the programs for a stride, made if they are not there. Errors: those of creation, LIMIT_EXCEEDED. */
-csm_result device_programs(device *device, uint32_t stride, uint32_t *index);
+/* The index of the programs for vertices, made if they are not there. Errors: those of creation, LIMIT_EXCEEDED. */
+csm_result device_programs(device *device, pass_vertices vertices, uint32_t *index);
 
 /* ---- memory.c ---- */
 
@@ -157,5 +166,18 @@ void geometry_remove(device *device, uint32_t slot);
 /* Records the copies of meshes that are not uploaded yet. */
 void geometry_record(device *device);
 void geometry_destroy(device *device);
+
+/* ---- opacity.c ---- */
+
+/* Makes room for textures in `capacity` slots. */
+csm_result opacity_reserve(device *device, uint32_t capacity);
+/* Makes a checked texture in a slot below the capacity; its texels wait in staging. */
+csm_result opacity_add(device *device, uint32_t slot, const csm_opacity_info *info);
+/* Frees it once the GPU is done with it. */
+void opacity_remove(device *device, uint32_t slot);
+gpu_image *opacity_texture(const device *device, uint32_t slot);
+/* Records the copies of textures that are not uploaded yet. */
+void opacity_record(device *device);
+void opacity_destroy(device *device);
 
 #endif

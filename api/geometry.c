@@ -7,7 +7,7 @@
  * few device allocations, of which there is a limit. Data waits in staging buffers until the next recording copies it.
  * An engine's own buffers are taken in where they are.
  */
-enum { page_smallest = 8 << 20, staging_smallest = 4 << 20, place_alignment = 16, position_bytes = 12 };
+enum { page_smallest = 8 << 20, staging_smallest = 4 << 20, place_alignment = 16, position_bytes = 12, uv_bytes = 8 };
 
 /* Where a mesh lies: a piece of a page, or an engine's buffers. Or a piece that is free. */
 typedef struct geometry_place {
@@ -16,6 +16,8 @@ typedef struct geometry_place {
   struct geometry_page *page;  /* NULL: an engine's */
   uint64_t offset, size;
   gpu_geometry engine;
+  gpu_buffer *constants; /* of an alpha-tested mesh, with its bindings; else NULL */
+  gpu_bindings *opacity;
 } geometry_place;
 
 typedef struct geometry_page {
@@ -119,9 +121,18 @@ static void return_to_page(device *device, geometry_place *place) {
     join(device, before);
 }
 
+static void opacity_free(device *device, geometry_place *place) {
+  if (place->opacity)
+    device->gpu.api->bindings_destroy(device->gpu.device, place->opacity);
+  device_buffer_free(device, place->constants, OPACITY_BLOCK);
+  place->opacity = NULL;
+  place->constants = NULL;
+}
+
 static void place_free(device *device, retired *self) {
   geometry_place *place = (geometry_place *)self;
   const gpu_geometry *engine = &place->engine;
+  opacity_free(device, place);
   if (place->page) {
     return_to_page(device, place);
     return;
@@ -216,38 +227,73 @@ static uint64_t round_up(uint64_t size) {
   return (size + place_alignment - 1) / place_alignment * place_alignment;
 }
 
-static void fill_staging(const csm_mesh_info *info, void *memory, uint64_t index_offset) {
-  const char *from = info->positions;
-  char *to = memory;
-  for (uint32_t i = 0; i < info->vertex_count; ++i, from += info->position_stride, to += position_bytes)
-    memcpy(to, from, position_bytes);
-  memcpy((char *)memory + index_offset, info->indices, (size_t)info->index_count * info->index_size);
+static void pack(char *to, const char *from, uint32_t count, uint32_t stride, uint32_t bytes) {
+  for (uint32_t i = 0; i < count; ++i, from += stride, to += bytes)
+    memcpy(to, from, bytes);
+}
+
+/* Where the parts of a copied mesh begin: positions, then uvs, then indices. */
+typedef struct layout {
+  uint64_t uvs, indices, size;
+} layout;
+
+static layout lay_out(const csm_mesh_info *info) {
+  layout out;
+  out.uvs = round_up((uint64_t)info->vertex_count * position_bytes);
+  out.indices = out.uvs + (info->opacity ? round_up((uint64_t)info->vertex_count * uv_bytes) : 0);
+  out.size = out.indices + round_up((uint64_t)info->index_count * info->index_size);
+  return out;
+}
+
+static void fill_staging(const csm_mesh_info *info, const layout *layout, char *memory) {
+  pack(memory, info->positions, info->vertex_count, info->position_stride, position_bytes);
+  if (info->opacity)
+    pack(memory + layout->uvs, info->uvs, info->vertex_count, info->uv_stride, uv_bytes);
+  memcpy(memory + layout->indices, info->indices, (size_t)info->index_count * info->index_size);
+}
+
+/* The constants and bindings of an alpha-tested mesh, on the programs that it is drawn with. */
+static csm_result add_opacity(device *device, const csm_mesh_info *info, geometry_place *place, pass_mesh *mesh) {
+  const csm_context *context = device->context;
+  const uint32_t slot = opacities_find(&context->opacities, info->opacity);
+  const gpu_buffer_info constants = {.name = "opacity constants", .kind = GPU_BUFFER_UPLOAD, .size = OPACITY_BLOCK};
+  csm_result result = device_buffer(device, &constants, &place->constants);
+  if (result)
+    return result;
+  opacity_write(device->gpu.api->buffer_memory(place->constants), &context->opacities.slots[slot].info,
+                info->alpha_cutoff);
+  const gpu_bindings_info reads =
+      opacity_inputs(device->programs.cascade[mesh->programs], place->constants, opacity_texture(device, slot));
+  result = device_check(device, device->gpu.api->bindings_create(device->gpu.device, &reads, &place->opacity),
+                        "an alpha-tested mesh's bindings");
+  mesh->opacity = place->opacity;
+  return result;
 }
 
 static csm_result add_copied(device *device, const csm_mesh_info *info, geometry_place **out, pass_mesh *mesh) {
   geometry *geometry = &device->geometry;
-  const uint64_t vertex_bytes = round_up((uint64_t)info->vertex_count * position_bytes);
-  const uint64_t size = vertex_bytes + round_up((uint64_t)info->index_count * info->index_size);
+  const layout layout = lay_out(info);
   geometry_place *place = NULL;
   geometry_staging *staging = NULL;
   geometry_upload *upload = context_allocate(device->context, sizeof *upload);
-  csm_result result = upload ? place_create(device, size, &place) : CSM_ERROR_OUT_OF_MEMORY;
+  csm_result result = upload ? place_create(device, layout.size, &place) : CSM_ERROR_OUT_OF_MEMORY;
   if (!result)
-    result = staging_reserve(device, size, &staging);
+    result = staging_reserve(device, layout.size, &staging);
   if (result) {
     if (place)
       return_to_page(device, place);
     context_release(device->context, upload);
     return result;
   }
-  fill_staging(info, (char *)device->gpu.api->buffer_memory(staging->buffer) + staging->used, vertex_bytes);
+  fill_staging(info, &layout, (char *)device->gpu.api->buffer_memory(staging->buffer) + staging->used);
   *upload = (geometry_upload){.next = geometry->uploads, .from = staging, .from_offset = staging->used, .to = place};
   geometry->uploads = upload;
-  staging->used += size;
+  staging->used += layout.size;
   *mesh = (pass_mesh){.vertices = place->page->buffer,
                       .indices = place->page->buffer,
                       .vertex_offset = place->offset,
-                      .index_offset = place->offset + vertex_bytes,
+                      .index_offset = place->offset + layout.indices,
+                      .uv_offset = place->offset + layout.uvs,
                       .index_size = info->index_size};
   *out = place;
   return CSM_SUCCESS;
@@ -269,24 +315,37 @@ static csm_result add_engines(device *device, const csm_mesh_info *info, geometr
                       .indices = engine->indices,
                       .vertex_offset = engine->vertex_offset,
                       .index_offset = engine->index_offset,
+                      .uv_offset = engine->uv_offset,
                       .index_size = info->index_size};
-  result = device_programs(device, engine->vertex_stride, &mesh->programs);
-  if (result) {
-    place_free(device, &place->retired);
-    return result;
-  }
   *out = place;
   return CSM_SUCCESS;
+}
+
+/* The programs for a mesh's vertices, and what an alpha-tested one reads. */
+static csm_result add_shape(device *device, const csm_mesh_info *info, geometry_place *place, pass_mesh *mesh) {
+  const bool engines = !place->page;
+  const pass_vertices vertices = {.stride = engines ? place->engine.vertex_stride : position_bytes,
+                                  .uv_stride = !info->opacity ? 0
+                                               : engines      ? place->engine.uv_stride
+                                                              : uv_bytes};
+  const csm_result result = device_programs(device, vertices, &mesh->programs);
+  return result || !info->opacity ? result : add_opacity(device, info, place, mesh);
 }
 
 csm_result geometry_add(device *device, uint32_t slot, const csm_mesh_info *info) {
   geometry *geometry = &device->geometry;
   pass_mesh mesh = {0};
   geometry_place *place = NULL;
-  const csm_result result =
+  csm_result result =
       info->vulkan || info->d3d12 ? add_engines(device, info, &place, &mesh) : add_copied(device, info, &place, &mesh);
   if (result)
     return result;
+  result = add_shape(device, info, place, &mesh);
+  if (result) {
+    drop_upload(device, place);
+    place_free(device, &place->retired);
+    return result;
+  }
   mesh.index_count = info->index_count;
   geometry->meshes[slot] = mesh;
   geometry->places[slot] = place;

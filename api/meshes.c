@@ -126,6 +126,34 @@ static csm_result check_shape(csm_context *context, csm_mesh_info *info) {
   return wrong ? context_fail(context, CSM_ERROR_INVALID_VALUE, "the mesh's %s is not allowed", wrong) : CSM_SUCCESS;
 }
 
+static csm_result check_opacity(const device *device, csm_mesh_info *info, bool engines) {
+  csm_context *context = device->context;
+  if (!info->opacity)
+    return CSM_SUCCESS;
+  if (!info->uv_stride)
+    info->uv_stride = 2 * sizeof(float);
+  if (opacities_find(&context->opacities, info->opacity) == UINT32_MAX)
+    return context_fail(context, CSM_ERROR_INVALID_HANDLE, "the mesh's opacity %llx does not exist",
+                        (unsigned long long)info->opacity);
+  if (!(info->alpha_cutoff > 0 && info->alpha_cutoff <= 1))
+    return context_fail(context, isfinite(info->alpha_cutoff) ? CSM_ERROR_INVALID_VALUE : CSM_ERROR_NOT_FINITE,
+                        "the mesh's alpha_cutoff is not above 0 and up to 1");
+  if (engines)
+    return CSM_SUCCESS;
+  if (!info->uvs)
+    return context_fail(context, CSM_ERROR_NULL_POINTER, "the mesh's uvs is NULL, and it has an opacity");
+  if (info->uv_stride % 4 || info->uv_stride < 8)
+    return context_fail(context, CSM_ERROR_INVALID_VALUE, "the mesh's uv_stride is not allowed");
+  const char *next = info->uvs;
+  for (uint32_t i = 0; i < info->vertex_count; ++i, next += info->uv_stride) {
+    float uv[2];
+    memcpy(uv, next, sizeof uv);
+    if (!isfinite(uv[0]) || !isfinite(uv[1]))
+      return context_fail(context, CSM_ERROR_NOT_FINITE, "uv %u of the mesh is not finite", i);
+  }
+  return CSM_SUCCESS;
+}
+
 static csm_result check_mesh(const device *device, csm_mesh_info *info, plan_bounds *bounds) {
   csm_context *context = device->context;
   const bool engines = info->vulkan || info->d3d12;
@@ -140,6 +168,8 @@ static csm_result check_mesh(const device *device, csm_mesh_info *info, plan_bou
     result = engines ? given_bounds(context, info, low, high) : copied_bounds(context, info, low, high);
   if (!result && !engines)
     result = check_indices(context, info);
+  if (!result)
+    result = check_opacity(device, info, engines);
   for (int axis = 0; axis < 3 && !result; ++axis) {
     bounds->center[axis] = ((double)low[axis] + high[axis]) / 2;
     bounds->extent[axis] = ((double)high[axis] - low[axis]) / 2;
@@ -149,32 +179,53 @@ static csm_result check_mesh(const device *device, csm_mesh_info *info, plan_bou
 
 /* ---- copies in host memory ---- */
 
-static csm_result keep(csm_context *context, const csm_mesh_info *info, void **out) {
+static size_t uv_bytes(const csm_mesh_info *info) {
+  return info->opacity ? (size_t)info->vertex_count * 2 * sizeof(float) : 0;
+}
+
+static void copy_packed(char *to, const char *from, uint32_t count, uint32_t stride, uint32_t bytes) {
+  for (uint32_t i = 0; i < count; ++i)
+    memcpy(to + (size_t)i * bytes, from + (size_t)i * stride, bytes);
+}
+
+/* Positions, uvs and indices, one after the other. */
+static csm_result keep(csm_context *context, const csm_mesh_info *info, char **out) {
   *out = NULL;
   if (!context->keep_geometry || !info->positions)
     return CSM_SUCCESS;
-  const size_t position_bytes = (size_t)info->vertex_count * 3 * sizeof(float);
-  const size_t index_bytes = (size_t)info->index_count * info->index_size;
-  char *copy = context_allocate(context, position_bytes + index_bytes);
+  const size_t position_bytes = (size_t)info->vertex_count * 12,
+               index_bytes = (size_t)info->index_count * info->index_size;
+  char *copy = context_allocate(context, position_bytes + uv_bytes(info) + index_bytes);
   if (!copy)
     return CSM_ERROR_OUT_OF_MEMORY;
-  const char *next = info->positions;
-  for (uint32_t i = 0; i < info->vertex_count; ++i, next += info->position_stride)
-    memcpy(copy + (size_t)i * 12, next, 12);
-  memcpy(copy + position_bytes, info->indices, index_bytes);
+  copy_packed(copy, info->positions, info->vertex_count, info->position_stride, 12);
+  if (info->opacity)
+    copy_packed(copy + position_bytes, info->uvs, info->vertex_count, info->uv_stride, 8);
+  memcpy(copy + position_bytes + uv_bytes(info), info->indices, index_bytes);
   *out = copy;
   return CSM_SUCCESS;
 }
 
 /* What is kept of a mesh's description: its shape, and its data if there is a copy. */
-static csm_mesh_info kept_info(const csm_mesh_info *info, const void *copy) {
+static csm_mesh_info kept_info(const csm_mesh_info *info, const char *copy) {
+  const size_t position_bytes = (size_t)info->vertex_count * 12;
   return (csm_mesh_info){.struct_size = sizeof *info,
                          .positions = copy,
-                         .position_stride = 3 * sizeof(float),
+                         .position_stride = 12,
                          .vertex_count = info->vertex_count,
-                         .indices = copy ? (const char *)copy + (size_t)info->vertex_count * 12 : NULL,
+                         .indices = copy ? copy + position_bytes + uv_bytes(info) : NULL,
                          .index_count = info->index_count,
-                         .index_size = info->index_size};
+                         .index_size = info->index_size,
+                         .opacity = info->opacity,
+                         .uvs = copy && info->opacity ? copy + position_bytes : NULL,
+                         .uv_stride = 8,
+                         .alpha_cutoff = info->alpha_cutoff};
+}
+
+/* Counts a mesh among the users of its opacity, or no longer. */
+static void use_opacity(csm_context *context, const csm_mesh_info *info, int change) {
+  if (info->opacity)
+    context->opacities.slots[opacities_find(&context->opacities, info->opacity)].users += (uint32_t)change;
 }
 
 csm_result CSM_CALL csm_mesh_create(csm_context *context, const csm_mesh_info *info, csm_mesh *mesh) {
@@ -185,7 +236,7 @@ csm_result CSM_CALL csm_mesh_create(csm_context *context, const csm_mesh_info *i
   csm_mesh_info own;
   plan_bounds bounds;
   uint32_t index;
-  void *copy = NULL;
+  char *copy = NULL;
   csm_result result = context_usable(context);
   if (!result)
     result = context_check_struct(context, struct_read(&own, sizeof own, info), "csm_mesh_info");
@@ -206,6 +257,7 @@ csm_result CSM_CALL csm_mesh_create(csm_context *context, const csm_mesh_info *i
   mesh_slot *slot = slot_take(&context->meshes, index);
   slot->copy = copy;
   slot->info = kept_info(&own, copy);
+  use_opacity(context, &own, 1);
   context->meshes.bounds[index] = bounds;
   *mesh = handle(&context->meshes, index);
   return CSM_SUCCESS;
@@ -223,6 +275,7 @@ csm_result CSM_CALL csm_mesh_destroy(csm_context *context, csm_mesh mesh) {
     return context_fail(context, CSM_ERROR_INVALID_HANDLE, "mesh %llx does not exist", (unsigned long long)mesh);
   geometry_remove(context->device, index);
   mesh_slot *slot = &meshes->slots[index];
+  use_opacity(context, &slot->info, -1);
   context_release(context, slot->copy);
   slot->copy = NULL;
   ++slot->generation;
@@ -248,7 +301,7 @@ static csm_result supply(csm_context *context, uint32_t index, csm_mesh_info *ou
     return context_fail(context, result, "mesh %llx was not supplied: %s", (unsigned long long)mesh,
                         csm_result_name(result));
   if (out->vertex_count != kept->vertex_count || out->index_count != kept->index_count ||
-      out->index_size != kept->index_size)
+      out->index_size != kept->index_size || out->opacity != kept->opacity)
     return context_fail(context, CSM_ERROR_INVALID_VALUE, "mesh %llx was supplied with another shape",
                         (unsigned long long)mesh);
   return CSM_SUCCESS;

@@ -82,7 +82,8 @@ typedef enum gpu_buffer_kind {
 typedef struct gpu_geometry {
   gpu_buffer *vertices, *indices;
   uint64_t vertex_offset, index_offset;
-  uint32_t vertex_stride, index_size;
+  uint64_t uv_offset; /* in the vertices' buffer */
+  uint32_t vertex_stride, uv_stride;
 } gpu_geometry;
 
 typedef struct gpu_buffer_info {
@@ -91,7 +92,12 @@ typedef struct gpu_buffer_info {
   uint64_t size;
 } gpu_buffer_info;
 
-enum { GPU_IMAGE_TARGET = 1u << 0, GPU_IMAGE_SAMPLED = 1u << 1, GPU_IMAGE_COPY_SOURCE = 1u << 2 };
+enum {
+  GPU_IMAGE_TARGET = 1u << 0,
+  GPU_IMAGE_SAMPLED = 1u << 1,
+  GPU_IMAGE_COPY_SOURCE = 1u << 2,
+  GPU_IMAGE_COPY_TARGET = 1u << 3
+};
 
 typedef struct gpu_image_info {
   const char *name;
@@ -158,7 +164,7 @@ typedef enum gpu_cull { GPU_CULL_NONE, GPU_CULL_BACK, GPU_CULL_FRONT } gpu_cull;
 
 typedef enum gpu_compare { GPU_COMPARE_NONE, GPU_COMPARE_LESS, GPU_COMPARE_GREATER } gpu_compare; /* NONE: no depth test */
 
-#define GPU_MAX_STREAMS 2
+#define GPU_MAX_STREAMS 3
 #define GPU_MAX_ATTRIBUTES 8
 #define GPU_MAX_CONSTANTS 2
 #define GPU_MAX_TEXTURES 4
@@ -184,7 +190,8 @@ typedef struct gpu_program_info {
   gpu_cull cull;
 } gpu_program_info;
 
-/* What a program reads: constants from one upload buffer each, and textures. */
+/* What a program reads: constants from one upload buffer each, and textures. Good for every program of the same shape:
+   the same counts of constants, textures and samplers. */
 typedef struct gpu_bindings_info {
   const char *name;
   const gpu_program *program;
@@ -242,8 +249,7 @@ typedef struct gpu_backend {
   csm_result (*program_create)(gpu_device *device, const gpu_program_info *info, gpu_program **out);
   void (*program_destroy)(gpu_device *device, gpu_program *program);
   csm_result (*bindings_create)(gpu_device *device, const gpu_bindings_info *info, gpu_bindings **out);
-  /* Makes bindings that no recording in flight uses read other things; the program is the one that they were made for,
-     or one of the same shape. Cannot fail. */
+  /* Makes bindings that no recording in flight uses read other things. Cannot fail. */
   void (*bindings_write)(gpu_device *device, gpu_bindings *bindings, const gpu_bindings_info *info);
   void (*bindings_destroy)(gpu_device *device, gpu_bindings *bindings);
 
@@ -262,6 +268,8 @@ typedef struct gpu_backend {
   /* One layer to a readback buffer: row r begins at offset + r * row_bytes, row_bytes a multiple of 256. */
   void (*copy_image)(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *from,
                      uint32_t layer);
+  /* A whole image of one layer, from an upload buffer with rows as above. */
+  void (*copy_to_image)(gpu_device *device, gpu_image *to, gpu_buffer *from, uint64_t offset, uint32_t row_bytes);
   /* Every layer of a depth image, the cheapest way that the API offers. */
   void (*clear_depth)(gpu_device *device, gpu_image *image, float depth);
   /* Begins a render pass over the whole target; what it holds is kept, but colour is undefined until drawn. */

@@ -1,13 +1,14 @@
 #include "draw_list.h"
 #include "shader_code.h"
 
-csm_result camera_depth_program(pass_gpu gpu, bool reversed, uint32_t vertex_stride, gpu_program **out) {
+csm_result camera_depth_program(pass_gpu gpu, bool reversed, pass_vertices vertices, gpu_program **out) {
   const draw_list_kind kind = {.name = reversed ? "camera depth, reversed" : "camera depth",
                                .vertex = shader_camera_depth_vs,
+                               .cut_out_vertex = shader_camera_depth_opacity_vs,
                                .rows = PASS_CAMERA_ROWS,
                                .compare = reversed ? GPU_COMPARE_GREATER : GPU_COMPARE_LESS,
                                .clip = true};
-  return draw_list_program(gpu, &kind, vertex_stride, out);
+  return draw_list_program(gpu, &kind, vertices, out);
 }
 
 void camera_depth_record(pass_gpu gpu, const camera_depth_pass *pass) {

@@ -3,12 +3,13 @@
 
 #include <stdio.h>
 
-csm_result cascade_depth_program(pass_gpu gpu, uint32_t vertex_stride, gpu_program **out) {
+csm_result cascade_depth_program(pass_gpu gpu, pass_vertices vertices, gpu_program **out) {
   const draw_list_kind kind = {.name = "cascade depth",
                                .vertex = shader_cascade_depth_vs,
+                               .cut_out_vertex = shader_cascade_depth_opacity_vs,
                                .rows = PASS_CASCADE_ROWS,
                                .compare = GPU_COMPARE_LESS};
-  return draw_list_program(gpu, &kind, vertex_stride, out);
+  return draw_list_program(gpu, &kind, vertices, out);
 }
 
 static void stamp(pass_gpu gpu, const cascade_depth_pass *pass, uint32_t index) {

@@ -11,15 +11,17 @@
 void draw_list(pass_gpu gpu, gpu_program *const *programs, const plan_list *list, const pass_mesh *meshes,
                gpu_buffer *matrices, uint64_t offset, uint32_t rows);
 
-/* What sets one such program apart. It draws positions into a depth image, and has no pixel shader. */
+/* What sets one such program apart. It draws positions into a depth image; there is a pixel
+   shader only where an opacity cuts out what is not there. */
 typedef struct draw_list_kind {
   const char *name;
   gpu_code vertex;
+  gpu_code cut_out_vertex; /* with an opacity */
   uint32_t rows;
   gpu_compare compare;
   bool clip;
 } draw_list_kind;
 
-csm_result draw_list_program(pass_gpu gpu, const draw_list_kind *kind, uint32_t vertex_stride, gpu_program **out);
+csm_result draw_list_program(pass_gpu gpu, const draw_list_kind *kind, pass_vertices vertices, gpu_program **out);
 
 #endif

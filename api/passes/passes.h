@@ -19,8 +19,16 @@ typedef struct pass_mesh {
   gpu_buffer *vertices, *indices;
   uint64_t vertex_offset, index_offset;
   uint32_t index_count, index_size;
-  uint32_t programs; /* index of the programs for its stride */
+  uint32_t programs;     /* index of the programs for its shape */
+  uint64_t uv_offset;    /* in the vertices' buffer; read only with an opacity */
+  gpu_bindings *opacity; /* of an alpha-tested mesh, else NULL */
 } pass_mesh;
+
+/* What programs that draw a mesh depend on. */
+typedef struct pass_vertices {
+  uint32_t stride;
+  uint32_t uv_stride; /* 0: opaque */
+} pass_vertices;
 
 /* Called inside a cascade's pass, when its list is drawn. */
 typedef void (*pass_callback)(void *user, uint32_t cascade);
@@ -29,7 +37,7 @@ typedef void (*pass_callback)(void *user, uint32_t cascade);
 
 enum { PASS_CASCADE_ROWS = 3, PASS_CAMERA_ROWS = 4 }; /* float4 rows for each instance's matrix */
 
-csm_result cascade_depth_program(pass_gpu gpu, uint32_t vertex_stride, gpu_program **out);
+csm_result cascade_depth_program(pass_gpu gpu, pass_vertices vertices, gpu_program **out);
 
 typedef struct cascade_depth_pass {
   gpu_program *const *programs; /* by pass_mesh.programs */
@@ -47,9 +55,18 @@ typedef struct cascade_depth_pass {
 
 void cascade_depth_record(pass_gpu gpu, const cascade_depth_pass *pass);
 
+/* ---- opacity ---- */
+
+enum { OPACITY_BLOCK = 256 };
+
+/* Writes the constants of an alpha-tested mesh: OPACITY_BLOCK bytes. */
+void opacity_write(void *out, const csm_opacity_info *info, float cutoff);
+/* What such a mesh reads: its constants from the buffer's beginning, and the texture. */
+gpu_bindings_info opacity_inputs(const gpu_program *program, gpu_buffer *constants, gpu_image *texture);
+
 /* ---- the camera's depth ---- */
 
-csm_result camera_depth_program(pass_gpu gpu, bool reversed, uint32_t vertex_stride, gpu_program **out);
+csm_result camera_depth_program(pass_gpu gpu, bool reversed, pass_vertices vertices, gpu_program **out);
 
 typedef struct camera_depth_pass {
   gpu_program *const *programs; /* by pass_mesh.programs */

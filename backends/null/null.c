@@ -320,6 +320,15 @@ static void null_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset,
     memset(to->memory + offset, 0, size);
 }
 
+static void null_copy_to_image(gpu_device *device, gpu_image *to, gpu_buffer *from, uint64_t offset,
+                               uint32_t row_bytes) {
+  record(device, "copy_to_image %s %s %llu %u", to->name, from->name, (unsigned long long)offset, row_bytes);
+  require(device, device->recording && !device->in_pass, "copy_to_image: not between begin and end, or in a pass");
+  require(device, row_bytes % OFFSET_ALIGNMENT == 0, "copy_to_image: row_bytes is not a multiple of 256");
+  require(device, to->info.usage & GPU_IMAGE_COPY_TARGET, "copy_to_image: the image is not made to be copied to");
+  require(device, holds(from, offset, (uint64_t)row_bytes * to->info.height), "copy_to_image: beyond the buffer's end");
+}
+
 static void null_clear_depth(gpu_device *device, gpu_image *image, float depth) {
   record(device, "clear_depth %s %g", image->name, (double)depth);
   require(device, device->recording && !device->in_pass, "clear_depth: not between begin and end, or in a pass");
@@ -346,10 +355,15 @@ static void null_pass_program(gpu_device *device, gpu_program *program) {
   device->bound = false;
 }
 
+static bool same_shape(const gpu_program *a, const gpu_program *b) {
+  return a->info.constants_count == b->info.constants_count && a->info.texture_count == b->info.texture_count &&
+         a->info.sampler_count == b->info.sampler_count;
+}
+
 static void null_pass_bind(gpu_device *device, gpu_bindings *bindings, const uint32_t *offsets) {
   record(device, "bind %s", bindings->name);
-  require(device, device->in_pass && bindings->info.program == device->program,
-          "pass_bind: no pass is open, or bindings of another program");
+  require(device, device->in_pass && device->program && same_shape(bindings->info.program, device->program),
+          "pass_bind: no pass is open, or bindings of a program of another shape");
   const gpu_program_info *program = &bindings->info.program->info;
   for (uint32_t i = 0; i < program->constants_count; i++) {
     require(device, offsets[i] % OFFSET_ALIGNMENT == 0, "pass_bind: an offset is not a multiple of 256");
@@ -444,6 +458,7 @@ static const gpu_backend table = {
     .timestamp = null_timestamp,
     .copy_buffer = null_copy_buffer,
     .copy_image = null_copy_image,
+    .copy_to_image = null_copy_to_image,
     .clear_depth = null_clear_depth,
     .pass_begin = null_pass_begin,
     .pass_end = null_pass_end,

@@ -1,7 +1,8 @@
 /*
  * csm.h: cascaded shadow maps for an engine, on whichever backend is loaded.
  *
- *   csm_create -> csm_mesh_create -> csm_cascades_create -> each frame: csm_render_cascades, csm_resolve_mask or csm_bind
+ *   csm_create -> csm_mesh_create -> csm_cascades_create -> each frame: csm_render_cascades, csm_resolve_mask or
+ * csm_bind
  *
  * Conventions: column vectors, column-major matrices (element [column * 4 + row]), world positions in doubles, metres.
  * Clip z in [0,1], clip y up; texture coordinate v = 0 and texel row 0 are clip y = +1. A light's direction is the way
@@ -32,6 +33,7 @@ extern "C" {
 typedef struct csm_context csm_context;   /* a device, with geometry and programs on it */
 typedef struct csm_cascades csm_cascades; /* one light seen from one camera: settings, maps, history */
 typedef uint64_t csm_mesh;                /* a mesh of one context; 0 is none */
+typedef uint64_t csm_opacity;             /* an opacity texture of one context; 0 is none */
 
 struct csm_vulkan_device; /* csm_vulkan.h */
 struct csm_vulkan_mesh;
@@ -52,7 +54,13 @@ CSM_API const char *CSM_CALL csm_result_name(csm_result result);
  */
 CSM_API const char *CSM_CALL csm_last_error(const csm_context *context);
 
-enum { CSM_DEVICE_OTHER = 0, CSM_DEVICE_INTEGRATED = 1, CSM_DEVICE_DISCRETE = 2, CSM_DEVICE_VIRTUAL = 3, CSM_DEVICE_CPU = 4 };
+enum {
+  CSM_DEVICE_OTHER = 0,
+  CSM_DEVICE_INTEGRATED = 1,
+  CSM_DEVICE_DISCRETE = 2,
+  CSM_DEVICE_VIRTUAL = 3,
+  CSM_DEVICE_CPU = 4
+};
 
 typedef struct csm_backend_info {
   uint32_t struct_size;
@@ -85,8 +93,9 @@ enum {
 typedef struct csm_mesh_info csm_mesh_info;
 
 /*
- * Gives a mesh's data again, for csm_switch_backend: fills `info`, whose struct_size is set, as for csm_mesh_create; the
- * shape (counts, index_size) is what it was, and the data stays readable until the next call. Must not call back into csm.
+ * Gives a mesh's data again, for csm_switch_backend: fills `info`, whose struct_size is set, as for csm_mesh_create;
+ * the shape (counts, index_size) is what it was, and the data stays readable until the next call. Must not call back
+ * into csm.
  */
 typedef csm_result(CSM_CALL *csm_supply_function)(void *user, csm_mesh mesh, csm_mesh_info *info);
 
@@ -95,20 +104,20 @@ typedef uint64_t(CSM_CALL *csm_budget_function)(void *user);
 
 typedef struct csm_create_info {
   uint32_t struct_size;
-  uint32_t flags;         /* CSM_CREATE_* */
-  uint32_t version;       /* CSM_VERSION that the caller was compiled with */
-  uint32_t frame_slots;   /* frames in flight, 1 to 8; 0 means 3 */
-  const char *backend;    /* "vulkan" or "d3d12", or a library's path, with a slash in it */
-  const char *device;     /* own device: part of its name; NULL takes the first discrete, integrated, virtual, CPU one */
-  uint64_t memory_limit;  /* device memory that the context may hold, in bytes; 0 means what the device allows */
+  uint32_t flags;        /* CSM_CREATE_* */
+  uint32_t version;      /* CSM_VERSION that the caller was compiled with */
+  uint32_t frame_slots;  /* frames in flight, 1 to 8; 0 means 3 */
+  const char *backend;   /* "vulkan" or "d3d12", or a library's path, with a slash in it */
+  const char *device;    /* own device: part of its name; NULL takes the first discrete, integrated, virtual, CPU one */
+  uint64_t memory_limit; /* device memory that the context may hold, in bytes; 0 means what the device allows */
   const struct csm_vulkan_device *vulkan; /* the engine's device; NULL opens an own one */
   const struct csm_d3d12_device *d3d12;   /* likewise; at most one of the two */
   csm_allocate_function allocate;         /* both or neither; NULL uses malloc */
   csm_release_function release;
-  csm_log_function log;   /* NULL is silent */
-  void *user;             /* handed to the callbacks */
-  char *error;            /* receives the text of a creation that failed; may be NULL */
-  uint64_t error_size;    /* bytes at `error` */
+  csm_log_function log;       /* NULL is silent */
+  void *user;                 /* handed to the callbacks */
+  char *error;                /* receives the text of a creation that failed; may be NULL */
+  uint64_t error_size;        /* bytes at `error` */
   csm_supply_function supply; /* may be NULL */
   csm_budget_function budget; /* asked before device memory is taken; NULL asks the driver (VK_EXT_memory_budget) */
 } csm_create_info;
@@ -118,7 +127,8 @@ typedef struct csm_create_info {
  * never in the current folder.
  * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (flags, frame_slots, backend), BACKEND_NOT_FOUND, BACKEND_BROKEN,
  * BACKEND_TOO_OLD, BACKEND_TOO_NEW, NO_DEVICE, UNSUPPORTED (an engine's device that lacks what
- * csm_query_backends says is required, or that belongs to the other API), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE. *context is NULL after an error. [any-thread]
+ * csm_query_backends says is required, or that belongs to the other API), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE.
+ * *context is NULL after an error. [any-thread]
  */
 CSM_API csm_result CSM_CALL csm_create(const csm_create_info *info, csm_context **context);
 
@@ -131,46 +141,82 @@ CSM_API void CSM_CALL csm_destroy(csm_context *context);
 /*
  * Moves the context to another backend, or device, between two frames. The new device is opened completely, with all
  * meshes (from the context's copy, see CSM_CREATE_KEEP_GEOMETRY, or from `supply`) and the maps of all cascades, or
- * everything stays as it was. Meshes, cascades, settings and snapping carry on; maps and masks are drawn anew by the next
- * csm_render_cascades and csm_resolve_mask. What lies on an own device is freed at once, after waiting for it; what lies
- * on an engine's goes when csm_retire reaches its last frame. Works on a context whose device was lost.
+ * everything stays as it was. Meshes, cascades, settings and snapping carry on; maps and masks are drawn anew by the
+ * next csm_render_cascades and csm_resolve_mask. What lies on an own device is freed at once, after waiting for it;
+ * what lies on an engine's goes when csm_retire reaches its last frame. Works on a context whose device was lost.
  * `info` is read as by csm_create, but for allocate, release, log, user, supply and budget: those stay.
  * Errors: as csm_create, and INVALID_STATE (a mesh that has no copy and is not supplied). [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_switch_backend(csm_context *context, const csm_create_info *info);
 
 /*
- * Engine's device: the GPU is done with every frame up to `frame`. Frees what waited for that. At most frame_slots frames
- * may be recorded and not retired. Errors: NULL_POINTER, UNSUPPORTED (an own device, which knows by itself), INVALID_VALUE
- * (a frame that was not recorded yet). [render-thread]
+ * Engine's device: the GPU is done with every frame up to `frame`. Frees what waited for that. At most frame_slots
+ * frames may be recorded and not retired. Errors: NULL_POINTER, UNSUPPORTED (an own device, which knows by itself),
+ * INVALID_VALUE (a frame that was not recorded yet). [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_retire(csm_context *context, uint64_t frame);
 
 /* ---- geometry ---- */
 
+enum { CSM_WRAP_REPEAT = 0, CSM_WRAP_CLAMP = 1, CSM_WRAP_MIRROR = 2 };
+
+/* Where an alpha-tested mesh is: sampled bilinearly, at full resolution, whatever the distance. */
+typedef struct csm_opacity_info {
+  uint32_t struct_size;
+  uint32_t flags;          /* 0 */
+  uint32_t width, height;  /* in texels: 1 to 16384, and what the device can do */
+  uint32_t wrap_u, wrap_v; /* CSM_WRAP_* */
+  const uint8_t *texels;   /* width * height bytes, 0 clear to 255 opaque; the row of v = 0 first; copied, and kept in
+                              host   memory for csm_switch_backend */
+  uint32_t row_stride;     /* bytes from one row to the next; 0 means width */
+  uint32_t reserved;       /* 0 */
+  const char *name;        /* for debuggers; may be NULL */
+} csm_opacity_info;
+
+/*
+ * Copies an opacity texture into the context. It is uploaded by the next frame that is recorded.
+ * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (size, wrap, row_stride, flags), LIMIT_EXCEEDED, OUT_OF_MEMORY,
+ * OUT_OF_DEVICE_MEMORY, DEVICE_LOST. *opacity is 0 after an error. [render-thread]
+ */
+CSM_API csm_result CSM_CALL csm_opacity_create(csm_context *context, const csm_opacity_info *info,
+                                               csm_opacity *opacity);
+
+/*
+ * Frees an opacity texture once no frame in flight uses it. Errors: NULL_POINTER, INVALID_HANDLE, INVALID_STATE (a mesh
+ * uses it still), DEVICE_LOST. [render-thread]
+ */
+CSM_API csm_result CSM_CALL csm_opacity_destroy(csm_context *context, csm_opacity opacity);
+
 struct csm_mesh_info {
   uint32_t struct_size;
-  uint32_t flags;             /* 0 */
-  const void *positions;      /* vertex_count times three floats: object space, metres; copied */
-  uint32_t position_stride;   /* bytes from one to the next, a multiple of 4; 0 means 12 */
-  uint32_t vertex_count;      /* 1 to 2^31 - 1 */
-  const void *indices;        /* index_count indices, three a triangle; copied */
-  uint32_t index_count;       /* a positive multiple of 3 */
-  uint32_t index_size;        /* 2 or 4 bytes */
-  const char *name;           /* for debuggers; may be NULL */
+  uint32_t flags;           /* 0 */
+  const void *positions;    /* vertex_count times three floats: object space, metres; copied */
+  uint32_t position_stride; /* bytes from one to the next, a multiple of 4; 0 means 12 */
+  uint32_t vertex_count;    /* 1 to 2^31 - 1 */
+  const void *indices;      /* index_count indices, three a triangle; copied */
+  uint32_t index_count;     /* a positive multiple of 3 */
+  uint32_t index_size;      /* 2 or 4 bytes */
+  const char *name;         /* for debuggers; may be NULL */
   /* A mesh in an engine's own buffers, which are not copied: positions and indices are NULL then, the bounds are given,
      and indices are not checked. At most one of the two, and the device's. */
   const struct csm_vulkan_mesh *vulkan;
   const struct csm_d3d12_mesh *d3d12;
   float bounds_min[3], bounds_max[3]; /* object space, metres; read only for an engine's buffers */
+  /* An alpha-tested mesh: it is there where its opacity is at least the cutoff. 0: opaque everywhere. All meshes cast
+     from both sides. */
+  csm_opacity opacity;
+  const void *uvs;    /* vertex_count times two floats, v = 0 at the texture's first row; NULL in an engine's buffers,
+                         which say where theirs are */
+  uint32_t uv_stride; /* bytes from one to the next, a multiple of 4; 0 means 8 */
+  float alpha_cutoff; /* above 0, up to 1 */
 };
 
 /*
  * Copies a triangle mesh into the context, or takes in an engine's own buffers, which must stay as they are until the
  * mesh is destroyed and its last frame retired. A copied one is uploaded by the next frame that is recorded.
  * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (counts, stride, index_size, flags), INVALID_INDEX (an index not
- * below vertex_count), NOT_FINITE (a position, the bounds), UNSUPPORTED (buffers of the other API), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, LIMIT_EXCEEDED, DEVICE_LOST.
- * *mesh is 0 after an error. [render-thread]
+ * below vertex_count), INVALID_HANDLE (opacity), NOT_FINITE (a position, the bounds), UNSUPPORTED (buffers of the other
+ * API), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, LIMIT_EXCEEDED, DEVICE_LOST. *mesh is 0 after an error. [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_mesh_create(csm_context *context, const csm_mesh_info *info, csm_mesh *mesh);
 
@@ -185,22 +231,22 @@ enum { CSM_FILTER_PCF_2X2 = 0, CSM_FILTER_PCF_3X3 = 1 };
 /* A configuration of cascades. csm_config_describe gives the unit, range and default of every field. */
 typedef struct csm_config {
   uint32_t struct_size;
-  uint32_t cascade_count;         /* 1 to 8 */
-  uint32_t resolution;            /* of every map, in texels a side; 16 to 16384, and what the device can do */
-  uint32_t split_mode;            /* CSM_SPLIT_* */
-  uint32_t filter;                /* CSM_FILTER_* */
-  uint32_t reserved;              /* 0 */
-  double shadow_distance;         /* view depth at which shadows end, in metres */
-  double split_lambda;            /* practical splits: 0 uniform, 1 logarithmic */
+  uint32_t cascade_count; /* 1 to 8 */
+  uint32_t resolution;    /* of every map, in texels a side; 16 to 16384, and what the device can do */
+  uint32_t split_mode;    /* CSM_SPLIT_* */
+  uint32_t filter;        /* CSM_FILTER_* */
+  uint32_t reserved;      /* 0 */
+  double shadow_distance; /* view depth at which shadows end, in metres */
+  double split_lambda;    /* practical splits: 0 uniform, 1 logarithmic */
   double split_distances[CSM_MAX_CASCADES]; /* manual splits: where each cascade ends, as view depth in metres, rising;
                                                unused entries are 0. The last one ends the shadows, unless
                                                shadow_distance ends them before */
-  double caster_distance;         /* how far before a slice, towards the light, a caster's depth is kept, in metres;
-                                     nearer ones are clamped to the near plane, and still cast */
-  double bias_constant_texels;    /* depth bias towards the light, in texels' widths */
-  double bias_slope_texels;       /* depth bias for each unit of the receiver's slope to the light, in texels' widths */
-  double bias_slope_max;          /* slope (tangent) at which that stops growing */
-  double bias_normal_texels;      /* offset of the receiver along its normal, in texels' widths */
+  double caster_distance;      /* how far before a slice, towards the light, a caster's depth is kept, in metres;
+                                  nearer ones are clamped to the near plane, and still cast */
+  double bias_constant_texels; /* depth bias towards the light, in texels' widths */
+  double bias_slope_texels;    /* depth bias for each unit of the receiver's slope to the light, in texels' widths */
+  double bias_slope_max;       /* slope (tangent) at which that stops growing */
+  double bias_normal_texels;   /* offset of the receiver along its normal, in texels' widths */
 } csm_config;
 
 enum { CSM_FIELD_UINT = 0, CSM_FIELD_DOUBLE = 1, CSM_FIELD_ENUM = 2, CSM_FIELD_DOUBLES = 3 };
@@ -208,22 +254,24 @@ enum { CSM_FIELD_UINT = 0, CSM_FIELD_DOUBLE = 1, CSM_FIELD_ENUM = 2, CSM_FIELD_D
 /* One field of csm_config. Texts are static. */
 typedef struct csm_config_field {
   uint32_t struct_size;
-  uint32_t type;         /* CSM_FIELD_*; DOUBLES is an array of `length` */
-  uint32_t offset;       /* in csm_config, in bytes */
-  uint32_t length;       /* 1, or an array's length */
-  double minimum;        /* inclusive */
-  double maximum;        /* inclusive */
-  double default_value;  /* for each element */
-  const char *name;      /* as in csm_config, and as the key in a JSON file */
-  const char *unit;      /* "m", "texels", "1" and so on; "" for an enumeration */
-  const char *about;     /* one sentence */
+  uint32_t type;             /* CSM_FIELD_*; DOUBLES is an array of `length` */
+  uint32_t offset;           /* in csm_config, in bytes */
+  uint32_t length;           /* 1, or an array's length */
+  double minimum;            /* inclusive */
+  double maximum;            /* inclusive */
+  double default_value;      /* for each element */
+  const char *name;          /* as in csm_config, and as the key in a JSON file */
+  const char *unit;          /* "m", "texels", "1" and so on; "" for an enumeration */
+  const char *about;         /* one sentence */
   const char *const *values; /* ENUM: the name of each value from 0 on, then NULL; else NULL */
 } csm_config_field;
 
-/* Describes field `index`, from 0. Errors: NULL_POINTER, STRUCT_SIZE, INVALID_INDEX (past the last one). [any-thread] */
+/* Describes field `index`, from 0. Errors: NULL_POINTER, STRUCT_SIZE, INVALID_INDEX (past the last one). [any-thread]
+ */
 CSM_API csm_result CSM_CALL csm_config_describe(uint32_t index, csm_config_field *field);
 
-/* Fills a configuration with the defaults. config->struct_size must be set. Errors: NULL_POINTER, STRUCT_SIZE. [any-thread] */
+/* Fills a configuration with the defaults. config->struct_size must be set. Errors: NULL_POINTER, STRUCT_SIZE.
+ * [any-thread] */
 CSM_API csm_result CSM_CALL csm_config_default(csm_config *config);
 
 /* ---- cascades ---- */
@@ -234,9 +282,11 @@ CSM_API csm_result CSM_CALL csm_config_default(csm_config *config);
  * that do not rise), LIMIT_EXCEEDED (resolution or memory), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE_LOST, DEVICE.
  * *cascades is NULL after an error. [render-thread]
  */
-CSM_API csm_result CSM_CALL csm_cascades_create(csm_context *context, const csm_config *config, csm_cascades **cascades);
+CSM_API csm_result CSM_CALL csm_cascades_create(csm_context *context, const csm_config *config,
+                                                csm_cascades **cascades);
 
-/* Changes the settings; maps are made anew only if their shape changes. Errors as csm_cascades_create. [render-thread] */
+/* Changes the settings; maps are made anew only if their shape changes. Errors as csm_cascades_create. [render-thread]
+ */
 CSM_API csm_result CSM_CALL csm_cascades_configure(csm_cascades *cascades, const csm_config *config);
 
 /* Frees the cascades once no frame in flight uses them; NULL is allowed. [render-thread] */
@@ -246,7 +296,7 @@ CSM_API csm_result CSM_CALL csm_cascades_destroy(csm_cascades *cascades);
 
 typedef struct csm_instance {
   uint32_t struct_size;
-  uint32_t flags;       /* 0 */
+  uint32_t flags; /* 0 */
   csm_mesh mesh;
   double transform[16]; /* object to world: affine, not singular */
 } csm_instance;
@@ -266,8 +316,8 @@ typedef struct csm_draw_info {
 } csm_draw_info;
 
 /*
- * Draws casters of the engine's own into a cascade's map, after the frame's instances. It may change pipeline, bindings,
- * buffers and dynamic state, and must leave the pass open. Must not call back into csm.
+ * Draws casters of the engine's own into a cascade's map, after the frame's instances. It may change pipeline,
+ * bindings, buffers and dynamic state, and must leave the pass open. Must not call back into csm.
  */
 typedef void(CSM_CALL *csm_draw_function)(void *user, const csm_draw_info *info);
 
@@ -277,25 +327,25 @@ enum {
 
 typedef struct csm_frame {
   uint32_t struct_size;
-  uint32_t flags;                  /* CSM_FRAME_* */
-  uint64_t frame;                  /* engine's device: the frame's number from 1 on, never falling; several calls may
-                                      share it; see csm_retire. Else 0 */
-  double view[16];                 /* world to view: a rotation and a translation, mirrored or not */
-  double projection[16];           /* view to clip */
-  double light_direction[3];       /* of travel; any length but 0 */
-  const csm_instance *instances;   /* casters and receivers; all of one struct_size; NULL if instance_count is 0 */
+  uint32_t flags;                /* CSM_FRAME_* */
+  uint64_t frame;                /* engine's device: the frame's number from 1 on, never falling; several calls may
+                                    share it; see csm_retire. Else 0 */
+  double view[16];               /* world to view: a rotation and a translation, mirrored or not */
+  double projection[16];         /* view to clip */
+  double light_direction[3];     /* of travel; any length but 0 */
+  const csm_instance *instances; /* casters and receivers; all of one struct_size; NULL if instance_count is 0 */
   uint32_t instance_count;
-  uint32_t reserved;               /* 0 */
-  csm_draw_function draw;          /* engine's device: called for each cascade; may be NULL */
+  uint32_t reserved;      /* 0 */
+  csm_draw_function draw; /* engine's device: called for each cascade; may be NULL */
   void *draw_user;
-  void *command_buffer;            /* engine's device: its VkCommandBuffer or ID3D12GraphicsCommandList*; else NULL */
+  void *command_buffer; /* engine's device: its VkCommandBuffer or ID3D12GraphicsCommandList*; else NULL */
 } csm_frame;
 
 /*
  * Plans the frame and draws every cascade's map. On an own device the work is submitted, and runs on after the return;
  * on an engine's it is recorded into command_buffer, uploads of new meshes included.
- * Errors: NULL_POINTER, STRUCT_SIZE, NOT_FINITE, INVALID_VALUE (flags, command_buffer, frame), INVALID_MATRIX (view or an
- * instance's transform singular or not affine, projection singular), INVALID_CAMERA, INVALID_LIGHT, INVALID_HANDLE
+ * Errors: NULL_POINTER, STRUCT_SIZE, NOT_FINITE, INVALID_VALUE (flags, command_buffer, frame), INVALID_MATRIX (view or
+ * an instance's transform singular or not affine, projection singular), INVALID_CAMERA, INVALID_LIGHT, INVALID_HANDLE
  * (an instance's mesh), INVALID_STATE (frame_slots frames are not retired yet), UNSUPPORTED (draw on an own device),
  * OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, LIMIT_EXCEEDED, DEVICE_LOST, DEVICE.
  * [render-thread]
@@ -333,19 +383,19 @@ typedef struct csm_cascade_info {
 typedef struct csm_binding {
   uint32_t struct_size;
   uint32_t cascade_count;
-  uint32_t resolution;        /* texels a side */
-  uint32_t constants_size;    /* bytes used in constants */
-  double origin[3];           /* world position that the constants are relative to */
+  uint32_t resolution;     /* texels a side */
+  uint32_t constants_size; /* bytes used in constants */
+  double origin[3];        /* world position that the constants are relative to */
   csm_cascade_info cascades[CSM_MAX_CASCADES];
-  float constants[256];       /* the block of shaders/include/csm_constants.h */
-  uint64_t native_maps;       /* VkImage, or ID3D12Resource*: the array of maps, readable by shaders */
-  uint64_t native_mask;       /* likewise, the mask; 0 before the first csm_resolve_mask */
-  uint64_t native_maps_view;  /* Vulkan: VkImageView, 2D array, depth; D3D12: 0 */
-  uint64_t native_mask_view;  /* Vulkan: VkImageView, 2D; D3D12: 0 */
-  uint64_t native_sampler;    /* Vulkan: VkSampler for csm_compare: linear, clamped, less or equal; D3D12: 0, use a static
-                                 sampler like that */
-  uint64_t maps_descriptor;   /* in, D3D12: D3D12_CPU_DESCRIPTOR_HANDLE.ptr that gets a view of the maps; or 0 */
-  uint64_t mask_descriptor;   /* in, D3D12: likewise of the mask, if there is one */
+  float constants[256];      /* the block of shaders/include/csm_constants.h */
+  uint64_t native_maps;      /* VkImage, or ID3D12Resource*: the array of maps, readable by shaders */
+  uint64_t native_mask;      /* likewise, the mask; 0 before the first csm_resolve_mask */
+  uint64_t native_maps_view; /* Vulkan: VkImageView, 2D array, depth; D3D12: 0 */
+  uint64_t native_mask_view; /* Vulkan: VkImageView, 2D; D3D12: 0 */
+  uint64_t native_sampler;  /* Vulkan: VkSampler for csm_compare: linear, clamped, less or equal; D3D12: 0, use a static
+                               sampler like that */
+  uint64_t maps_descriptor; /* in, D3D12: D3D12_CPU_DESCRIPTOR_HANDLE.ptr that gets a view of the maps; or 0 */
+  uint64_t mask_descriptor; /* in, D3D12: likewise of the mask, if there is one */
 } csm_binding;
 
 /*
@@ -383,21 +433,21 @@ typedef struct csm_cascade_stats {
 typedef struct csm_stats {
   uint32_t struct_size;
   uint32_t cascade_count;
-  uint64_t plan_hash;        /* of everything the last frame's plan holds: equal on every backend */
-  double plan_ms;            /* planning and culling of the last csm_render_cascades, on the CPU */
-  double record_ms;          /* recording it, submission included on an own device */
+  uint64_t plan_hash; /* of everything the last frame's plan holds: equal on every backend */
+  double plan_ms;     /* planning and culling of the last csm_render_cascades, on the CPU */
+  double record_ms;   /* recording it, submission included on an own device */
   double clear_gpu_ms, camera_depth_gpu_ms, mask_gpu_ms; /* as csm_cascade_stats.gpu_ms */
   csm_cascade_stats cascades[CSM_MAX_CASCADES];
-  uint64_t map_bytes;        /* device memory of these cascades' maps */
-  uint64_t mask_bytes;       /* of their mask and camera depth */
-  uint64_t geometry_bytes;   /* of the context's meshes */
-  uint64_t frame_bytes;      /* of the context's memory that changes per frame */
+  uint64_t map_bytes;      /* device memory of these cascades' maps */
+  uint64_t mask_bytes;     /* of their mask and camera depth */
+  uint64_t geometry_bytes; /* of the context's meshes */
+  uint64_t frame_bytes;    /* of the context's memory that changes per frame */
 } csm_stats;
 
 /*
- * Counts and times of the last csm_render_cascades and csm_resolve_mask. Waits for an own device; on an engine's the GPU's
- * times are those of the last retired frame that measured them.
- * Errors: NULL_POINTER, STRUCT_SIZE, DEVICE_LOST. [render-thread]
+ * Counts and times of the last csm_render_cascades and csm_resolve_mask. Waits for an own device; on an engine's the
+ * GPU's times are those of the last retired frame that measured them. Errors: NULL_POINTER, STRUCT_SIZE, DEVICE_LOST.
+ * [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_get_stats(csm_cascades *cascades, csm_stats *stats);
 

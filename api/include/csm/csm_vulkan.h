@@ -1,13 +1,13 @@
 /*
  * csm_vulkan.h: an engine's own Vulkan device, its images and its buffers.
  *
- * csm records into the engine's command buffer, which is open, belongs to queue_family, and is outside a render pass. It
- * submits nothing and waits for nothing. A recording leaves changed: the graphics pipeline, descriptor set 0 of the
+ * csm records into the engine's command buffer, which is open, belongs to queue_family, and is outside a render pass.
+ * It submits nothing and waits for nothing. A recording leaves changed: the graphics pipeline, descriptor set 0 of the
  * graphics bind point, vertex buffers 0 and 1, the index buffer, viewport 0 and scissor 0; nothing else.
  *
- * The maps and the mask rest in VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, owned by queue_family, and each recording makes
- * what it wrote visible to fragment and compute shaders that follow in the queue. An engine may sample them there, and
- * leaves them in that layout.
+ * The maps and the mask rest in VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, owned by queue_family, and each recording
+ * makes what it wrote visible to fragment and compute shaders that follow in the queue. An engine may sample them
+ * there, and leaves them in that layout.
  */
 #ifndef CSM_VULKAN_H
 #define CSM_VULKAN_H
@@ -55,6 +55,9 @@ typedef struct csm_vulkan_mesh {
   uint64_t vertex_offset; /* of the first position: three floats */
   VkBuffer indices;
   uint64_t index_offset;
+  uint64_t uv_offset; /* of the first pair of floats, in `vertices`; read only for a mesh with an opacity */
+  uint32_t uv_stride; /* bytes, a multiple of 4, at least 8 */
+  uint32_t reserved;  /* 0 */
 } csm_vulkan_mesh;
 
 #ifdef __cplusplus
