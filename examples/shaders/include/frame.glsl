@@ -1,0 +1,7 @@
+// frame.glsl: the block frame_constants of world.h.
+layout(set = 0, binding = 1, std140) uniform frame_block
+{
+    vec4 to_clip[4]; // rows; from positions relative to csm_binding.origin
+    vec4 sun;        // towards it, and its brightness
+    vec4 sky;        // brightness
+};

@@ -1,0 +1,7 @@
+// frame.hlsl: the block frame_constants of world.h.
+cbuffer frame_block : register(b1)
+{
+    float4 to_clip[4]; // rows; from positions relative to csm_binding.origin
+    float4 sun;        // towards it, and its brightness
+    float4 sky;        // brightness
+};
