@@ -138,9 +138,9 @@ void picture_expect_casters(const picture *picture, uint32_t cascades) {
   for (uint32_t i = 0; i < cascades; ++i) {
     const picture_layer *map = &picture->layers[i];
     uint32_t drawn = 0;
-    for (uint32_t t = 0; t < map->width * map->height; ++t)
-      drawn += map->texels[t] < 1;
-    assert_in_range(drawn, 1, map->width * map->height - 1);
+    for (uint32_t t = 1; t < map->width * map->height; ++t)
+      drawn += map->texels[t] < 1 && map->texels[t] != map->texels[t - 1];
+    assert_true(drawn > 100);
   }
 }
 

@@ -53,7 +53,7 @@ picture picture_take(picture_copy *copy);
 void picture_free(picture *picture);
 /* Asserts that every texel is the same. */
 void picture_expect_equal(const picture *a, const picture *b);
-/* Asserts that each map has something in it and somewhere nothing. */
+/* Asserts that something that is not flat was drawn into each map. */
 void picture_expect_casters(const picture *picture, uint32_t cascades);
 
 /* ---- a mesh that both a context and an engine can hold ---- */
