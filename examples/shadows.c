@@ -43,7 +43,7 @@ void shadows_open(shadows *s, const char *library, csm_create_info *create) {
   config.cascade_count = 3;
   config.resolution = 1024;
   config.filter = CSM_FILTER_PCF_3X3;
-  config.shadow_distance = 60.0;
+  config.shadow_distance = 50.0;
   config.caster_distance = 40.0;
   check(s, s->csm.cascades_create(s->context, &config, &s->cascades), "csm_cascades_create");
 }

@@ -9,7 +9,7 @@ enum { TREE_SIDES = 12, TREE_RINGS = 16, STONES = 9 };
 
 static const double center[3] = {12000.0, 0.0, -7000.0}; /* far from the world's origin, as in any large world */
 static const double circle_radius = 7.5;
-static const double tree_height = 6.0;
+static const double tree_height = 6.5, base_radius = 0.85, top_radius = 0.35;
 static const double pi = 3.14159265358979323846;
 
 /* ---- vectors and matrices ---- */
@@ -103,15 +103,14 @@ static void make_stone(mesh *m) {
     }
 }
 
-/* A trunk that grows thin, closed by its tip. */
+/* A trunk that grows thin, closed at its top by a ring of no radius. */
 static void make_tree(mesh *m) {
   mesh_allocate(m, "tree", (TREE_RINGS + 1) * TREE_SIDES, TREE_RINGS * TREE_SIDES * 6);
   for (int ring = 0; ring <= TREE_RINGS; ring++)
     for (int side = 0; side < TREE_SIDES; side++) {
-      const double along = (double)ring / TREE_RINGS, angle = 2.0 * pi * side / TREE_SIDES;
-      const double radius = 0.55 * (1.0 - along);
-      const double lean = 0.55 / tree_height; /* how much the surface faces upwards */
-      double normal[3] = {cos(angle), lean, sin(angle)};
+      const double along = fmin((double)ring / (TREE_RINGS - 1), 1.0), angle = 2.0 * pi * side / TREE_SIDES;
+      const double radius = ring == TREE_RINGS ? 0.0 : base_radius + (top_radius - base_radius) * along;
+      double normal[3] = {cos(angle), (base_radius - top_radius) / tree_height, sin(angle)}; /* it leans inwards */
       normalize(normal);
       vertex *v = &m->vertices[m->vertex_count++];
       *v = (vertex){
@@ -159,7 +158,7 @@ static void add_circle(world *w) {
 static void bend_tree(thing *tree, double seconds) {
   const double angle = 0.55 * sin(2.2 * seconds + 0.4), c = cos(angle), s = sin(angle), pivot = 1.5;
   const double turn[16] = {c, s, 0, 0, -s, c, 0, 0, 0, 0, 1, 0, pivot * s, pivot - pivot * c, 0, 1};
-  place(tree->bones[0], -1.2, 0.0, -0.6, 0.8, 1.0, 1.0, 1.0);
+  place(tree->bones[0], -0.5, 0.0, 0.5, 0.8, 1.0, 1.0, 1.0);
   multiply(tree->bones[1], tree->bones[0], turn);
 }
 
@@ -181,8 +180,8 @@ void world_create(world *w) {
   const double sun[3] = {-0.62, -0.55, 0.42};
   memcpy(w->sun_direction, sun, sizeof sun);
   normalize(w->sun_direction);
-  w->sun = 1.15f;
-  w->sky = 0.22f;
+  memcpy(w->sun_light, (const float[3]){1.5f, 1.22f, 0.92f}, sizeof w->sun_light);
+  memcpy(w->sky_light, (const float[3]){0.2f, 0.26f, 0.38f}, sizeof w->sky_light);
   world_animate(w, 1);
 }
 
@@ -257,8 +256,8 @@ void world_frame_constants(frame_constants *out, const world *w, const double or
       out->to_clip[row][column] = (float)clip[column * 4 + row];
   for (int i = 0; i < 3; i++)
     out->to_sun[i] = (float)-w->sun_direction[i];
-  out->sun = w->sun;
-  out->sky[0] = w->sky;
+  memcpy(out->sun_light, w->sun_light, sizeof w->sun_light);
+  memcpy(out->sky_light, w->sky_light, sizeof w->sky_light);
 }
 
 void world_draw_constants(draw_constants *out, const thing *t, const double origin[3]) {

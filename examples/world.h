@@ -38,7 +38,7 @@ typedef struct world {
   double view[16], projection[16]; /* right-handed, reversed-Z */
   double camera[3];
   double sun_direction[3]; /* the way the light travels */
-  float sun, sky;          /* how bright they are */
+  float sun_light[3], sky_light[3];
 } world;
 
 void world_create(world *w);
@@ -59,8 +59,8 @@ typedef struct draw_constants {
 /* What a frame's shaders need; the block of shaders/forward.*. */
 typedef struct frame_constants {
   float to_clip[4][4]; /* rows; from positions relative to an origin */
-  float to_sun[3], sun;
-  float sky[4];
+  float to_sun[4];     /* unit */
+  float sun_light[4], sky_light[4];
 } frame_constants;
 
 /*

@@ -21,6 +21,6 @@ void main()
 {
     vec3 n = normal * inversesqrt(dot(normal, normal));
     float visibility = csm_visibility(position, n, csm_view_depth(position));
-    float light = sky.x * (0.75 + 0.25 * n.y) + sun.w * visibility * max(dot(n, sun.xyz), 0.0);
+    vec3 light = sky_light.xyz * (0.75 + 0.25 * n.y) + sun_light.xyz * (visibility * max(dot(n, to_sun.xyz), 0.0));
     color = vec4(surface.xyz * light, 1.0);
 }

@@ -16,6 +16,6 @@ float4 main(float4 clip : SV_Position, float3 position : POSITION, float3 normal
 {
     float3 n = normal * rsqrt(dot(normal, normal));
     float visibility = csm_visibility(position, n, csm_view_depth(position));
-    float light = sky.x * (0.75 + 0.25 * n.y) + sun.w * visibility * max(dot(n, sun.xyz), 0.0);
+    float3 light = sky_light.xyz * (0.75 + 0.25 * n.y) + sun_light.xyz * (visibility * max(dot(n, to_sun.xyz), 0.0));
     return float4(surface.xyz * light, 1.0);
 }

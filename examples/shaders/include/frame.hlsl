@@ -2,6 +2,7 @@
 cbuffer frame_block : register(b1)
 {
     float4 to_clip[4]; // rows; from positions relative to csm_binding.origin
-    float4 sun;        // towards it, and its brightness
-    float4 sky;        // brightness
+    float4 to_sun;     // unit
+    float4 sun_light;  // colours
+    float4 sky_light;
 };
