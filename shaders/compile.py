@@ -2,6 +2,7 @@
 """Compiles the shaders: one HLSL source each, SPIR-V for Vulkan and DXBC for Direct3D 12.
 
   compile.py embed OUT_C OUT_H GLSLANG SPIRV_VAL SHADER...   build: SPIR-V made now, DXBC as committed, both as C
+  compile.py words OUT_H FILE.dxbc...                        C arrays of DXBC alone, for a program without gpu.h
   compile.py dxbc VKD3D_COMPILER FOLDER...                   makes FOLDER/dxbc and its MANIFEST anew, for ./dev shaders
   compile.py check FOLDER...                                 fails where HLSL, dxbc/ and MANIFEST do not belong together
 
@@ -122,6 +123,12 @@ def make_dxbc(compiler, root):
     (folder / "MANIFEST").write_text("".join(manifest))
 
 
+def words_header(out_h, *paths):
+    blobs = [pathlib.Path(path) for path in paths]
+    arrays = [words(blob.stem.replace(".", "_"), blob.read_bytes()) for blob in blobs]
+    pathlib.Path(out_h).write_text("\n".join(["/* Made by shaders/compile.py. */", "#include <stdint.h>", "", *arrays]))
+
+
 def dxbc(compiler, *folders):
     for folder in folders:
         make_dxbc(compiler, pathlib.Path(folder).resolve())
@@ -158,7 +165,7 @@ def check(*folders):
 
 
 if __name__ == "__main__":
-    commands = {"embed": embed, "dxbc": dxbc, "check": check}
+    commands = {"embed": embed, "words": words_header, "dxbc": dxbc, "check": check}
     if len(sys.argv) < 2 or sys.argv[1] not in commands:
         sys.exit(__doc__)
     commands[sys.argv[1]](*sys.argv[2:])
