@@ -328,6 +328,8 @@ static csm_result add_shape(device *device, const csm_mesh_info *info, geometry_
                                   .uv_stride = !info->opacity ? 0
                                                : engines      ? place->engine.uv_stride
                                                               : uv_bytes};
+  if (engines && info->opacity && (vertices.uv_stride < uv_bytes || vertices.uv_stride % 4))
+    return context_fail(device->context, CSM_ERROR_INVALID_VALUE, "the mesh's uv_stride is not allowed");
   const csm_result result = device_programs(device, vertices, &mesh->programs);
   return result || !info->opacity ? result : add_opacity(device, info, place, mesh);
 }

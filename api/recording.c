@@ -124,6 +124,8 @@ csm_result recording_begin(device *device, void *native) {
   if (next->fresh)
     slot->stamps = 0;
   slot->serial = device->serial = next->serial;
+  if (!device->own)
+    device->context->newest_frame = next->serial;
   device->slot = next->slot;
   geometry_record(device);
   opacity_record(device);
@@ -174,9 +176,10 @@ csm_result recording_finish(device *device) {
 }
 
 csm_result recording_retire(device *device, uint64_t frame) {
-  if (frame > device->serial)
+  const uint64_t newest = device->context->newest_frame;
+  if (frame > newest)
     return context_fail(device->context, CSM_ERROR_INVALID_VALUE, "frame %llu is retired, the last recorded is %llu",
-                        (unsigned long long)frame, (unsigned long long)device->serial);
+                        (unsigned long long)frame, (unsigned long long)newest);
   if (frame <= device->done)
     return CSM_SUCCESS;
   csm_result result = CSM_SUCCESS;

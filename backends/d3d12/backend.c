@@ -96,6 +96,7 @@ static const gpu_backend backend = {
     .timestamp = d3d12_timestamp,
     .copy_buffer = d3d12_copy_buffer,
     .copy_image = d3d12_copy_image,
+    .copy_to_image = d3d12_copy_to_image,
     .clear_depth = d3d12_clear_depth,
     .pass_begin = d3d12_pass_begin,
     .pass_end = d3d12_pass_end,

@@ -257,6 +257,7 @@ void d3d12_copy_buffer(gpu_device *device, gpu_buffer *to, uint64_t to_offset, g
                        uint64_t size);
 void d3d12_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *from,
                       uint32_t layer);
+void d3d12_copy_to_image(gpu_device *device, gpu_image *to, gpu_buffer *from, uint64_t offset, uint32_t row_bytes);
 void d3d12_clear_depth(gpu_device *device, gpu_image *image, float depth);
 void d3d12_pass_begin(gpu_device *device, gpu_target *target);
 void d3d12_pass_end(gpu_device *device);

@@ -225,5 +225,7 @@ csm_result d3d12_geometry_import(gpu_device *device, const void *native, gpu_geo
   out->vertex_offset = given.vertex_offset;
   out->index_offset = given.index_offset;
   out->vertex_stride = given.vertex_stride;
+  out->uv_offset = given.uv_offset;
+  out->uv_stride = given.uv_stride;
   return CSM_SUCCESS;
 }

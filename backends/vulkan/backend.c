@@ -31,6 +31,7 @@ static const gpu_backend backend = {
     .timestamp = vulkan_timestamp,
     .copy_buffer = vulkan_copy_buffer,
     .copy_image = vulkan_copy_image,
+    .copy_to_image = vulkan_copy_to_image,
     .clear_depth = vulkan_clear_depth,
     .pass_begin = vulkan_pass_begin,
     .pass_end = vulkan_pass_end,

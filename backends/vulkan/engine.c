@@ -186,6 +186,8 @@ csm_result vulkan_geometry_import(gpu_device *device, const void *native_mesh, g
                         .indices = indices,
                         .vertex_offset = native.vertex_offset,
                         .index_offset = native.index_offset,
-                        .vertex_stride = native.vertex_stride};
+                        .uv_offset = native.uv_offset,
+                        .vertex_stride = native.vertex_stride,
+                        .uv_stride = native.uv_stride};
   return CSM_SUCCESS;
 }

@@ -81,6 +81,7 @@
   X(CmdWriteTimestamp)                                                                                                 \
   X(CmdPipelineBarrier)                                                                                                \
   X(CmdCopyBuffer)                                                                                                     \
+  X(CmdCopyBufferToImage)                                                                                              \
   X(CmdCopyImageToBuffer)                                                                                              \
   X(CmdClearDepthStencilImage)                                                                                         \
   X(CmdBeginRenderPass)                                                                                                \

@@ -238,6 +238,7 @@ void vulkan_copy_buffer(gpu_device *device, gpu_buffer *to, uint64_t to_offset, 
                         uint64_t size);
 void vulkan_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *from,
                        uint32_t layer);
+void vulkan_copy_to_image(gpu_device *device, gpu_image *to, gpu_buffer *from, uint64_t offset, uint32_t row_bytes);
 void vulkan_clear_depth(gpu_device *device, gpu_image *image, float depth);
 void vulkan_pass_begin(gpu_device *device, gpu_target *target);
 void vulkan_pass_end(gpu_device *device);

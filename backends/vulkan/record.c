@@ -10,7 +10,7 @@
 
 #include <string.h>
 
-static const vulkan_use use_clear = {.layout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+static const vulkan_use use_overwrite = {.layout = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
                                      .stages = VK_PIPELINE_STAGE_TRANSFER_BIT,
                                      .access = VK_ACCESS_TRANSFER_WRITE_BIT};
 static const vulkan_use use_copy = {.layout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
@@ -179,12 +179,22 @@ void vulkan_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint
   device->vk.CmdCopyImageToBuffer(device->commands, from->handle, use_copy.layout, to->handle, 1, &region);
 }
 
+void vulkan_copy_to_image(gpu_device *device, gpu_image *to, gpu_buffer *from, uint64_t offset, uint32_t row_bytes) {
+  transfer_range(device, from, offset, (uint64_t)row_bytes * to->height);
+  image_use(device, to, 0, 1, &use_overwrite, true);
+  const VkBufferImageCopy region = {.bufferOffset = offset,
+                                    .bufferRowLength = row_bytes / vulkan_texel_bytes(to->format),
+                                    .imageSubresource = {.aspectMask = to->aspect, .layerCount = 1},
+                                    .imageExtent = {to->width, to->height, 1}};
+  device->vk.CmdCopyBufferToImage(device->commands, from->handle, to->handle, use_overwrite.layout, 1, &region);
+}
+
 void vulkan_clear_depth(gpu_device *device, gpu_image *image, float depth) {
-  image_use(device, image, 0, image->layer_count, &use_clear, true);
+  image_use(device, image, 0, image->layer_count, &use_overwrite, true);
   const VkClearDepthStencilValue value = {.depth = depth};
   const VkImageSubresourceRange range = {
       .aspectMask = image->aspect, .levelCount = 1, .layerCount = image->layer_count};
-  device->vk.CmdClearDepthStencilImage(device->commands, image->handle, use_clear.layout, &value, 1, &range);
+  device->vk.CmdClearDepthStencilImage(device->commands, image->handle, use_overwrite.layout, &value, 1, &range);
   /* One barrier for all layers; else each layer's pass would begin with one, and wait for the pass before it. */
   image_prepare(device, image, 0, image->layer_count, &use_depth, false);
 }

@@ -77,6 +77,8 @@ static VkImageUsageFlags image_usage(const gpu_image_info *info) {
     usage |= VK_IMAGE_USAGE_SAMPLED_BIT;
   if (info->usage & GPU_IMAGE_COPY_SOURCE)
     usage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+  if (info->usage & GPU_IMAGE_COPY_TARGET)
+    usage |= VK_IMAGE_USAGE_TRANSFER_DST_BIT;
   return usage;
 }
 

@@ -246,9 +246,9 @@ static csm_result make_forward(bench *b, uint32_t language, gpu_program **out) {
 }
 
 static csm_result make_programs(bench *b) {
-  csm_result result = cascade_depth_program(b->gpu, 12, &b->cascade_depth);
+  csm_result result = cascade_depth_program(b->gpu, (pass_vertices){.stride = 12}, &b->cascade_depth);
   if (!result)
-    result = camera_depth_program(b->gpu, true, 12, &b->camera_depth);
+    result = camera_depth_program(b->gpu, true, (pass_vertices){.stride = 12}, &b->camera_depth);
   for (uint32_t filter = 0; filter < 2 && !result; ++filter)
     result = mask_program(b->gpu, filter, false, &b->mask[filter]);
   if (!result) {
@@ -305,8 +305,8 @@ static csm_result draw(bench *b, uint32_t filter) {
     return result;
   api->copy_buffer(device, b->geometry, 0, b->upload, AT_GEOMETRY, GEOMETRY_BYTES);
   const pass_mesh meshes[2] = {
-      {b->geometry, b->geometry, 0, AT_SQUARE_INDICES, 6, 2, 0},
-      {b->geometry, b->geometry, AT_BOX, AT_BOX_INDICES, 36, 2, 0},
+      {b->geometry, b->geometry, 0, AT_SQUARE_INDICES, 6, 2, 0, 0, NULL},
+      {b->geometry, b->geometry, AT_BOX, AT_BOX_INDICES, 36, 2, 0, 0, NULL},
   };
   cascade_depth_pass maps = {.programs = &b->cascade_depth,
                              .maps = b->maps,

@@ -1,0 +1,258 @@
+/* opacity.c: alpha-tested casters are where bilinear opacity, computed here in doubles, says that they are. */
+#include "support.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { texels_u = 7, texels_v = 5, resolution = 512, margin_permille = 10 };
+
+static const float positions[4][3] = {{-1, 0, -1}, {1, 0, -1}, {1, 0, 1}, {-1, 0, 1}};
+static const uint16_t indices[6] = {0, 2, 1, 0, 3, 2};
+
+/* Beyond the texture on every side, so that wrapping shows; two floats that are not read between the pairs. */
+static const float uvs[4][4] = {{-1.25f, -0.5f, 0, 0}, {2.5f, -0.5f, 0, 0}, {2.5f, 1.75f, 0, 0}, {-1.25f, 1.75f, 0, 0}};
+
+typedef struct fixture {
+  record record;
+  csm_context *context;
+  csm_cascades *cascades;
+  csm_config config;
+  unsigned char texels[texels_v][8]; /* rows with a gap */
+  csm_opacity opacity;
+  csm_mesh leaf, ground;
+} fixture;
+
+static csm_opacity_info opacity_info(fixture *f, uint32_t wrap_u, uint32_t wrap_v) {
+  return (csm_opacity_info){.struct_size = sizeof(csm_opacity_info),
+                            .width = texels_u,
+                            .height = texels_v,
+                            .wrap_u = wrap_u,
+                            .wrap_v = wrap_v,
+                            .texels = f->texels[0],
+                            .row_stride = sizeof f->texels[0]};
+}
+
+static csm_mesh_info leaf_info(const fixture *f, float cutoff) {
+  return (csm_mesh_info){.struct_size = sizeof(csm_mesh_info),
+                         .positions = positions,
+                         .vertex_count = 4,
+                         .indices = indices,
+                         .index_count = 6,
+                         .index_size = 2,
+                         .opacity = f->opacity,
+                         .uvs = uvs,
+                         .uv_stride = sizeof uvs[0],
+                         .alpha_cutoff = cutoff};
+}
+
+static void open_fixture(fixture *f, uint32_t wrap_u, uint32_t wrap_v, float cutoff) {
+  memset(f, 0, sizeof *f);
+  csm_create_info create = support_create_info(&f->record);
+  create.flags |= CSM_CREATE_KEEP_GEOMETRY;
+  assert_int_equal(csm_create(&create, &f->context), CSM_SUCCESS);
+  for (int v = 0; v < texels_v; ++v)
+    for (int u = 0; u < 8; ++u)
+      f->texels[v][u] = (unsigned char)((u * 89 + v * 151 + u * v * 37) % 256);
+  const csm_opacity_info info = opacity_info(f, wrap_u, wrap_v);
+  assert_int_equal(csm_opacity_create(f->context, &info, &f->opacity), CSM_SUCCESS);
+  const csm_mesh_info leaf = leaf_info(f, cutoff);
+  assert_int_equal(csm_mesh_create(f->context, &leaf, &f->leaf), CSM_SUCCESS);
+  f->ground = support_square(f->context);
+  f->config = support_config();
+  f->config.cascade_count = 1;
+  f->config.resolution = resolution;
+  f->config.shadow_distance = 20;
+  assert_int_equal(csm_cascades_create(f->context, &f->config, &f->cascades), CSM_SUCCESS);
+}
+
+/* A leaf of 8 m a side three metres above the ground; turned over, so that it is seen from behind, if asked. */
+static csm_frame draw(fixture *f, csm_instance instances[2], bool turned) {
+  instances[0] = support_instance(f->ground, 0, 0, 0, 30, 1, 30);
+  instances[1] = support_instance(f->leaf, 0, 3, 0, 4, turned ? -1 : 1, 4);
+  csm_frame frame = {
+      .struct_size = sizeof frame, .light_direction = {0.1, -1, 0.2}, .instances = instances, .instance_count = 2};
+  support_look_at(frame.view, (const double[]){0, 9, 9}, (const double[]){0, 0, 0});
+  support_perspective(frame.projection, 60, 1, 0.5, 100);
+  assert_int_equal(csm_render_cascades(f->cascades, &frame), CSM_SUCCESS);
+  return frame;
+}
+
+static int wrapped(int index, int size, uint32_t mode) {
+  if (mode == CSM_WRAP_CLAMP)
+    return index < 0 ? 0 : index >= size ? size - 1 : index;
+  const int period = mode == CSM_WRAP_MIRROR ? 2 * size : size;
+  const int inside = ((index % period) + period) % period;
+  return mode == CSM_WRAP_MIRROR && inside >= size ? 2 * size - 1 - inside : inside;
+}
+
+static double opacity_at(const fixture *f, double u, double v, uint32_t wrap_u, uint32_t wrap_v) {
+  const double x = u * texels_u - 0.5, y = v * texels_v - 0.5;
+  double sum = 0;
+  for (int j = 0; j < 2; ++j)
+    for (int i = 0; i < 2; ++i) {
+      const double wx = i ? x - floor(x) : 1 - (x - floor(x)), wy = j ? y - floor(y) : 1 - (y - floor(y));
+      sum += wx * wy *
+             f->texels[wrapped((int)floor(y) + j, texels_v, wrap_v)][wrapped((int)floor(x) + i, texels_u, wrap_u)];
+    }
+  return sum / 255;
+}
+
+static void check_map(const fixture *f, const float *map, uint32_t wrap_u, uint32_t wrap_v, double cutoff) {
+  csm_binding binding = {.struct_size = sizeof binding};
+  assert_int_equal(csm_bind(f->cascades, &binding), CSM_SUCCESS);
+  const double *m = binding.cascades[0].world_to_shadow;
+  uint32_t solid = 0, clear = 0, wrong = 0;
+  for (int i = 0; i < 400; ++i) {
+    for (int k = 0; k < 400; ++k) {
+      /* The texel that a point of the leaf falls into, and back to the leaf's point at that texel's centre. */
+      const double point[3] = {(i + 0.5) / 50 - 4, 3, (k + 0.5) / 50 - 4};
+      double at[3];
+      support_apply(m, point, at);
+      const int x = (int)floor(at[0] * resolution), y = (int)floor(at[1] * resolution);
+      const double du = (x + 0.5) / resolution - at[0], dv = (y + 0.5) / resolution - at[1];
+      /* On the plane y = 3 only x and z vary: solve two by two. */
+      const double det = m[0] * m[9] - m[8] * m[1];
+      const double px = point[0] + (du * m[9] - m[8] * dv) / det, pz = point[2] + (m[0] * dv - m[1] * du) / det;
+      const double s = (px + 4) / 8, t = (pz + 4) / 8;
+      if (s < 0.01 || s > 0.99 || t < 0.01 || t > 0.99)
+        continue;
+      const double alpha = opacity_at(f, -1.25 + 3.75 * s, -0.5 + 2.25 * t, wrap_u, wrap_v);
+      if (fabs(alpha - cutoff) < margin_permille * 1e-3)
+        continue;
+      const double depth = m[2] * px + m[6] * 3 + m[10] * pz + m[14];
+      const bool drawn = fabs(map[y * resolution + x] - depth) < 1e-4;
+      wrong += drawn != (alpha > cutoff);
+      solid += alpha > cutoff;
+      clear += alpha < cutoff;
+    }
+  }
+  assert_true(solid > 10000 && clear > 10000);
+  assert_int_equal(wrong, 0);
+}
+
+static void casters_are_cut_out(void **state) {
+  (void)state;
+  for (uint32_t mode = 0; mode < 9; ++mode) {
+    const uint32_t wrap_u = mode % 3, wrap_v = mode / 3;
+    const float cutoff = mode % 2 ? 0.5f : 0.35f;
+    fixture f;
+    csm_instance instances[2];
+    open_fixture(&f, wrap_u, wrap_v, cutoff);
+    draw(&f, instances, mode == 4); /* from both sides */
+    float *map = support_read(f.cascades, CSM_READ_MAP, 0, resolution, resolution);
+    check_map(&f, map, wrap_u, wrap_v, cutoff);
+    free(map);
+    support_close(f.context, &f.record);
+  }
+}
+
+/* The camera sees the ground through the holes: the pre-pass cuts out as the maps do. */
+static void the_camera_sees_through(void **state) {
+  (void)state;
+  enum { side = 256 };
+  fixture f;
+  csm_instance instances[2];
+  open_fixture(&f, CSM_WRAP_REPEAT, CSM_WRAP_MIRROR, 0.5f);
+  csm_frame frame = draw(&f, instances, false);
+  const csm_mask_info mask = {.struct_size = sizeof mask, .frame = &frame, .width = side, .height = side};
+  assert_int_equal(csm_resolve_mask(f.cascades, &mask), CSM_SUCCESS);
+  float *depth = support_read(f.cascades, CSM_READ_CAMERA_DEPTH, 0, side, side);
+  uint32_t solid = 0, clear = 0, wrong = 0;
+  for (int i = 0; i < 300; ++i)
+    for (int k = 0; k < 300; ++k) {
+      const double point[3] = {(i + 0.5) / 300 * 7.8 - 3.9, 3, (k + 0.5) / 300 * 7.8 - 3.9};
+      double local[3], clip[3];
+      support_apply(frame.view, point, local);
+      const double w = support_apply(frame.projection, local, clip);
+      const int x = (int)floor((clip[0] / w + 1) / 2 * side), y = (int)floor((1 - clip[1] / w) / 2 * side);
+      const double alpha = opacity_at(&f, -1.25 + 3.75 * (point[0] + 4) / 8, -0.5 + 2.25 * (point[2] + 4) / 8,
+                                      CSM_WRAP_REPEAT, CSM_WRAP_MIRROR);
+      /* A point is up to a pixel from the centre that was sampled: look away from edges. */
+      if (fabs(alpha - 0.5) < 0.25 || x < 0 || y < 0 || x >= side || y >= side)
+        continue;
+      const bool drawn = fabs(depth[y * side + x] - clip[2] / w) < 1e-3 * fabs(clip[2] / w) + 2e-4;
+      wrong += drawn != (alpha > 0.5);
+      solid += alpha > 0.5;
+      clear += alpha < 0.5;
+    }
+  free(depth);
+  assert_true(solid > 3000 && clear > 3000);
+  assert_true(wrong <= (solid + clear) / 200);
+  support_close(f.context, &f.record);
+}
+
+static void expect(const fixture *f, csm_result result, csm_result expected) {
+  if (result != expected)
+    fail_msg("%s, not %s", csm_result_name(result), csm_result_name(expected));
+  assert_true(strlen(csm_last_error(f->context)) > 0);
+}
+
+static void misuse_is_named(void **state) {
+  (void)state;
+  fixture f;
+  open_fixture(&f, 0, 0, 0.5f);
+  f.record.quiet = true;
+  csm_opacity opacity = 1;
+  csm_opacity_info info = opacity_info(&f, 0, 0);
+  assert_int_equal(csm_opacity_create(NULL, &info, &opacity), CSM_ERROR_NULL_POINTER);
+  assert_int_equal(csm_opacity_destroy(NULL, 1), CSM_ERROR_NULL_POINTER);
+  expect(&f, csm_opacity_create(f.context, NULL, &opacity), CSM_ERROR_NULL_POINTER);
+  expect(&f, csm_opacity_create(f.context, &info, NULL), CSM_ERROR_NULL_POINTER);
+  info.texels = NULL;
+  expect(&f, csm_opacity_create(f.context, &info, &opacity), CSM_ERROR_NULL_POINTER);
+  assert_true(opacity == 0);
+  info = opacity_info(&f, 3, 0);
+  expect(&f, csm_opacity_create(f.context, &info, &opacity), CSM_ERROR_INVALID_VALUE);
+  info = opacity_info(&f, 0, 0), info.width = 0;
+  expect(&f, csm_opacity_create(f.context, &info, &opacity), CSM_ERROR_INVALID_VALUE);
+  info = opacity_info(&f, 0, 0), info.row_stride = 3;
+  expect(&f, csm_opacity_create(f.context, &info, &opacity), CSM_ERROR_INVALID_VALUE);
+  info = opacity_info(&f, 0, 0), info.struct_size = 0;
+  expect(&f, csm_opacity_create(f.context, &info, &opacity), CSM_ERROR_STRUCT_SIZE);
+  expect(&f, csm_opacity_destroy(f.context, 77), CSM_ERROR_INVALID_HANDLE);
+  expect(&f, csm_opacity_destroy(f.context, f.opacity), CSM_ERROR_INVALID_STATE);
+
+  csm_mesh mesh;
+  csm_mesh_info leaf = leaf_info(&f, 0);
+  expect(&f, csm_mesh_create(f.context, &leaf, &mesh), CSM_ERROR_INVALID_VALUE);
+  leaf = leaf_info(&f, NAN);
+  expect(&f, csm_mesh_create(f.context, &leaf, &mesh), CSM_ERROR_NOT_FINITE);
+  leaf = leaf_info(&f, 0.5f), leaf.uvs = NULL;
+  expect(&f, csm_mesh_create(f.context, &leaf, &mesh), CSM_ERROR_NULL_POINTER);
+  leaf = leaf_info(&f, 0.5f), leaf.uv_stride = 4;
+  expect(&f, csm_mesh_create(f.context, &leaf, &mesh), CSM_ERROR_INVALID_VALUE);
+  leaf = leaf_info(&f, 0.5f), leaf.opacity ^= 1ull << 33;
+  expect(&f, csm_mesh_create(f.context, &leaf, &mesh), CSM_ERROR_INVALID_HANDLE);
+
+  assert_int_equal(csm_mesh_destroy(f.context, f.leaf), CSM_SUCCESS);
+  assert_int_equal(csm_opacity_destroy(f.context, f.opacity), CSM_SUCCESS);
+  expect(&f, csm_opacity_destroy(f.context, f.opacity), CSM_ERROR_INVALID_HANDLE);
+  support_close(f.context, &f.record);
+}
+
+static void a_switch_keeps_the_holes(void **state) {
+  (void)state;
+  fixture f;
+  csm_instance instances[2];
+  open_fixture(&f, CSM_WRAP_MIRROR, CSM_WRAP_CLAMP, 0.5f);
+  draw(&f, instances, false);
+  csm_create_info info = support_create_info(&f.record);
+  info.backend = !strcmp(support_backend(), "vulkan") ? "d3d12" : "vulkan";
+  assert_int_equal(csm_switch_backend(f.context, &info), CSM_SUCCESS);
+  draw(&f, instances, false);
+  float *map = support_read(f.cascades, CSM_READ_MAP, 0, resolution, resolution);
+  check_map(&f, map, CSM_WRAP_MIRROR, CSM_WRAP_CLAMP, 0.5);
+  free(map);
+  support_close(f.context, &f.record);
+}
+
+int main(int argc, char **argv) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(casters_are_cut_out),
+      cmocka_unit_test(the_camera_sees_through),
+      cmocka_unit_test(misuse_is_named),
+      cmocka_unit_test(a_switch_keeps_the_holes),
+  };
+  return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
+}
