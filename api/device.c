@@ -73,10 +73,10 @@ csm_result device_programs(device *device, pass_vertices vertices, uint32_t *ind
 static csm_result make_programs(device *device) {
   uint32_t first;
   csm_result result = device_programs(device, (pass_vertices){.stride = copied_stride}, &first);
-  for (uint32_t filter = 0; filter < DEVICE_FILTERS; ++filter)
-    for (int normals = 0; normals < 2 && !result; ++normals)
-      result = device_check(device, mask_program(device->gpu, filter, normals, &device->mask_programs[filter][normals]),
-                            "a mask program");
+  for (uint32_t i = 0; i < MASK_KINDS && !result; ++i) {
+    const mask_kind kind = mask_kind_at(i);
+    result = device_check(device, mask_program(device->gpu, &kind, &device->mask_programs[i]), "a mask program");
+  }
   return result;
 }
 
@@ -113,8 +113,8 @@ static void destroy_objects(device *device) {
   recording_destroy(device);
   for (uint32_t i = 0; i < device->programs.count; ++i)
     programs_free(device, i);
-  for (int i = 0; i < DEVICE_FILTERS * 2; ++i)
-    gpu.api->program_destroy(gpu.device, device->mask_programs[i / 2][i % 2]);
+  for (uint32_t i = 0; i < MASK_KINDS; ++i)
+    gpu.api->program_destroy(gpu.device, device->mask_programs[i]);
   gpu.api->close(gpu.device);
 }
 

@@ -9,7 +9,7 @@
 #include "loader.h"
 #include "passes/passes.h"
 
-enum { DEVICE_MAX_SLOTS = 8, DEVICE_FILTERS = 2, DEVICE_MAX_TIMINGS = 8, DEVICE_MAX_SHAPES = 32 };
+enum { DEVICE_MAX_SLOTS = 8, DEVICE_MAX_TIMINGS = 8, DEVICE_MAX_SHAPES = 32 };
 
 typedef struct device device;
 
@@ -108,7 +108,7 @@ struct device {
   geometry geometry;
   opacity_images opacities;
   depth_programs programs;
-  gpu_program *mask_programs[DEVICE_FILTERS][2]; /* without and with an engine's normals */
+  gpu_program *mask_programs[MASK_KINDS]; /* by mask_kind_index */
 };
 
 /* ---- device.c ---- */

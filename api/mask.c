@@ -84,6 +84,12 @@ static csm_result import(device *device, const void *native, const char *name, g
 
 /* ---- reserving and recording ---- */
 
+static gpu_program *choose_program(const csm_cascades *cascades, const resolve *r) {
+  const mask_kind kind = {
+      .filter = cascades->config.filter, .bias_mode = cascades->config.bias_mode, .normals = r->normals != NULL};
+  return cascades->context->device->mask_programs[mask_kind_index(&kind)];
+}
+
 static csm_result reserve(csm_cascades *cascades, resolve *r) {
   device *device = cascades->context->device;
   const uint64_t matrices = (uint64_t)r->list.instance_count * PASS_CAMERA_ROWS * 4 * sizeof(float);
@@ -98,9 +104,8 @@ static csm_result reserve(csm_cascades *cascades, resolve *r) {
     result = import(device, r->info.normals, "csm_mask_info: normals", &r->normals, &r->unorm_normals);
   if (result)
     return result;
-  const gpu_bindings_info reads =
-      mask_inputs(device->mask_programs[cascades->config.filter][r->normals != NULL], r->ring.buffer,
-                  cascades->maps->image, r->depth ? r->depth : r->mask->depth, r->normals);
+  const gpu_bindings_info reads = mask_inputs(choose_program(cascades, r), r->ring.buffer, cascades->maps->image,
+                                              r->depth ? r->depth : r->mask->depth, r->normals);
   return mask_input_find(cascades, r->mask, &reads, r->normals != NULL, &r->input);
 }
 
@@ -139,7 +144,7 @@ static void record(csm_cascades *cascades, const resolve *r) {
   record_depth(cascades, r);
   if (timed)
     gpu.api->timestamp(gpu.device, first + 1);
-  mask_record(gpu, &(mask_pass){.program = device->mask_programs[cascades->config.filter][r->normals != NULL],
+  mask_record(gpu, &(mask_pass){.program = choose_program(cascades, r),
                                 .bindings = r->input->bindings,
                                 .target = r->mask->mask_target,
                                 .constants_offset = (uint32_t)(r->ring.offset + r->matrices_size)});

@@ -1,2 +1,3 @@
 #define CSM_FILTER_TAPS 1
+#define CSM_BIAS_MODE 1
 #include "private/mask.hlsl"

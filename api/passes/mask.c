@@ -1,18 +1,28 @@
 #include "passes.h"
 #include "shader_code.h"
 
-csm_result mask_program(pass_gpu gpu, uint32_t filter, bool normals, gpu_program **out) {
-  const gpu_code *const codes[2][2] = {
-      [CSM_FILTER_PCF_2X2] = {&shader_mask_2x2_ps, &shader_mask_2x2_normals_ps},
-      [CSM_FILTER_PCF_3X3] = {&shader_mask_3x3_ps, &shader_mask_3x3_normals_ps},
+uint32_t mask_kind_index(const mask_kind *kind) {
+  return kind->filter * 4 + kind->bias_mode * 2 + kind->normals;
+}
+
+mask_kind mask_kind_at(uint32_t index) {
+  return (mask_kind){.filter = index / 4, .bias_mode = index / 2 % 2, .normals = index % 2};
+}
+
+csm_result mask_program(pass_gpu gpu, const mask_kind *kind, gpu_program **out) {
+  const gpu_code *const codes[2][2][2] = {
+      [CSM_FILTER_PCF_2X2] = {[CSM_BIAS_SLOPE] = {&shader_mask_2x2_slope_ps, &shader_mask_2x2_slope_normals_ps},
+                              [CSM_BIAS_RECEIVER_PLANE] = {&shader_mask_2x2_ps, &shader_mask_2x2_normals_ps}},
+      [CSM_FILTER_PCF_3X3] = {[CSM_BIAS_SLOPE] = {&shader_mask_3x3_slope_ps, &shader_mask_3x3_slope_normals_ps},
+                              [CSM_BIAS_RECEIVER_PLANE] = {&shader_mask_3x3_ps, &shader_mask_3x3_normals_ps}},
   };
   const gpu_program_info info = {
-      .name = filter == CSM_FILTER_PCF_2X2 ? "mask, PCF 2x2" : "mask, PCF 3x3",
+      .name = kind->filter == CSM_FILTER_PCF_2X2 ? "mask, PCF 2x2" : "mask, PCF 3x3",
       .vertex = shader_screen_vs,
-      .pixel = *codes[filter][normals],
+      .pixel = *codes[kind->filter][kind->bias_mode][kind->normals],
       .constants_count = 2,
       .constants_sizes = {MASK_CASCADES_BLOCK, MASK_CAMERA_BLOCK},
-      .texture_count = normals ? 3 : 2,
+      .texture_count = kind->normals ? 3 : 2,
       .sampler_count = 1,
       .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL},
       .color_format = GPU_FORMAT_R8_UNORM,

@@ -85,7 +85,16 @@ void camera_depth_record(pass_gpu gpu, const camera_depth_pass *pass);
 
 enum { MASK_CASCADES_BLOCK = 1024, MASK_CAMERA_BLOCK = 256, MASK_BLOCKS = MASK_CASCADES_BLOCK + MASK_CAMERA_BLOCK };
 
-csm_result mask_program(pass_gpu gpu, uint32_t filter, bool normals, gpu_program **out);
+/* What a mask's program is made for; one for each that a configuration may ask for. */
+typedef struct mask_kind {
+  uint32_t filter, bias_mode; /* as in csm_config */
+  bool normals;               /* the engine's */
+} mask_kind;
+enum { MASK_KINDS = 8 };
+
+csm_result mask_program(pass_gpu gpu, const mask_kind *kind, gpu_program **out);
+uint32_t mask_kind_index(const mask_kind *kind); /* below MASK_KINDS */
+mask_kind mask_kind_at(uint32_t index);
 
 /* What the mask reads: maps, depth, normals (or NULL), and from `constants` the MASK_BLOCKS bytes of a recording. */
 gpu_bindings_info mask_inputs(const gpu_program *program, gpu_buffer *constants, gpu_image *maps, gpu_image *depth,

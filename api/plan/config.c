@@ -4,6 +4,9 @@
 static const char *const split_modes[] = {[CSM_SPLIT_PRACTICAL] = "practical", [CSM_SPLIT_MANUAL] = "manual", NULL};
 static const char *const filters[] = {[CSM_FILTER_PCF_2X2] = "pcf_2x2", [CSM_FILTER_PCF_3X3] = "pcf_3x3", NULL};
 
+static const char *const bias_modes[] = {
+    [CSM_BIAS_SLOPE] = "slope", [CSM_BIAS_RECEIVER_PLANE] = "receiver_plane", NULL};
+
 typedef struct config_entry {
   csm_config_field field;
   const char *not_finite, *out_of_range;
@@ -22,9 +25,13 @@ typedef struct config_entry {
 /*
  * The defaults of the bias, in texels' widths:
  *
- * - slope: on a plane whose depth changes by sr and su for each metre along right and up, the filter's farthest texel
- *   lies `reach` away along each axis, so its depth is nearer by at most reach (|sr| + |su|). A slope bias of 1 is
- *   that much: a plane never shadows itself, and less would not do for every place of the receiver in its texel.
+ * - mode: every texel is compared with the depth of the receiver's plane at its centre, so a plane needs no bias but
+ * that for rounding, and what shadows a steep receiver from just above is kept: a caster that covers the receiver
+ * covers more than half of the filter, wherever the plane runs.
+ * - slope (of the other mode): on a plane whose depth changes by sr and su for each metre along right and up, the
+ * filter's farthest texel lies `reach` away along each axis, so its depth is nearer by at most reach (|sr| + |su|). A
+ * slope bias of 1 is that much: a plane never shadows itself, and less would not do for every place of the receiver in
+ * its texel.
  * - slope_max: a receiver that light meets at a cosine of 0.02 has a slope of 50, and |sr| + |su| is at most sqrt(2)
  *   times that: 71. Up to there nothing is cut off; beyond it a receiver gets almost no light.
  * - constant: covers rounding, whatever the slope. The rasteriser places vertices to 1/256 pixel, which moves a
@@ -42,6 +49,10 @@ static const config_entry entries[] = {
     ENTRY(filter, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = CSM_FILTER_PCF_3X3,
           .default_value = CSM_FILTER_PCF_3X3, .unit = "", .values = filters,
           .about = "How a map is filtered: one bilinear comparison, or the mean of 3 x 3 of them."),
+    ENTRY(bias_mode, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = CSM_BIAS_RECEIVER_PLANE,
+          .default_value = CSM_BIAS_RECEIVER_PLANE, .unit = "", .values = bias_modes,
+          .about = "What a texel is compared with: one depth for the whole filter, made safe by the slope bias, or the "
+                   "depth that the receiver's plane has there."),
     ENTRY(shadow_distance, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 1e-3, .maximum = 1e9,
           .default_value = 150.0, .unit = "m", .about = "View depth at which shadows end."),
     ENTRY(split_lambda, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 1.0, .default_value = 0.75,
@@ -103,8 +114,6 @@ csm_result plan_config_check(const csm_config *config, const char **error) {
     if (result)
       return result;
   }
-  if (config->reserved)
-    return plan_fail(error, CSM_ERROR_INVALID_VALUE, "reserved is not 0");
   if (config->split_mode == CSM_SPLIT_MANUAL) {
     double last = 0.0;
     for (uint32_t i = 0; i < config->cascade_count; ++i) {

@@ -99,6 +99,7 @@ uint32_t plan_write_constants(float *out, const plan_frame *frame, const csm_con
   put(out, CSM_C_DEPTH, side * view[2], side * view[6], side * view[10], 0.0);
   for (uint32_t i = 0; i < 3; ++i)
     put(out, CSM_C_BASIS + i, frame->basis[i * 3], frame->basis[i * 3 + 1], frame->basis[i * 3 + 2], 0.0);
+  out[CSM_C_BIAS_MODE * 4 + 3] = config->bias_mode == CSM_BIAS_RECEIVER_PLANE;
   out[CSM_C_FILTER * 4 + 3] = config->filter == CSM_FILTER_PCF_3X3 ? 3.0f : 1.0f;
   put(out, CSM_C_BIAS, config->bias_constant_texels, config->bias_slope_texels, config->bias_slope_max,
       config->bias_normal_texels);

@@ -13,7 +13,8 @@
 #define CSM_C_PARAMS 0    /* cascade count, texels a side, 1 / texels a side, view depth where shadows end */
 #define CSM_C_DEPTH 1     /* view depth of a relative position p: dot(p, xyz) + w */
 #define CSM_C_BASIS 2     /* three: unit vectors right, up and along the light (its direction of travel) */
-#define CSM_C_FILTER 2    /* w alone: the filter's taps a side, 1 (hardware 2x2) or 3 (3x3) */
+#define CSM_C_FILTER 2    /* w alone: the filter's taps a side, 1 (2x2 texels) or 3 (3x3 of such) */
+#define CSM_C_BIAS_MODE 3 /* w alone: 0 slope, 1 receiver plane */
 #define CSM_C_BIAS 5      /* constant, slope, slope max, normal offset: as configured, in texels */
 #define CSM_C_SPLITS 6    /* two: where cascades 0..3 and 4..7 end, as view depth; unused ones repeat the last */
 #define CSM_C_TEXELS 8    /* eight: texel size in metres, depth per metre along the light, filter reach in metres */
@@ -52,6 +53,7 @@ CSM_CONSTANTS_ASSERT(offsetof(csm_constants, params) == CSM_C_PARAMS * 16);
 CSM_CONSTANTS_ASSERT(offsetof(csm_constants, depth) == CSM_C_DEPTH * 16);
 CSM_CONSTANTS_ASSERT(offsetof(csm_constants, basis) == CSM_C_BASIS * 16);
 CSM_CONSTANTS_ASSERT(offsetof(csm_constants, basis[0][3]) == CSM_C_FILTER * 16 + 12);
+CSM_CONSTANTS_ASSERT(offsetof(csm_constants, basis[1][3]) == CSM_C_BIAS_MODE * 16 + 12);
 CSM_CONSTANTS_ASSERT(offsetof(csm_constants, bias) == CSM_C_BIAS * 16);
 CSM_CONSTANTS_ASSERT(offsetof(csm_constants, splits) == CSM_C_SPLITS * 16);
 CSM_CONSTANTS_ASSERT(offsetof(csm_constants, texels) == CSM_C_TEXELS * 16);

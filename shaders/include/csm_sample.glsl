@@ -9,8 +9,10 @@
 //   CSM_CONSTANTS    what is indexed for a vec4 of the block (csm_c)
 //   CSM_MAPS         the maps (csm_maps)
 //   CSM_SAMPLER      a samplerShadow, where CSM_MAPS is a texture2DArray without one
-//   CSM_COMPARE(uv, layer, reference)   the comparison itself, instead of the two before
-//   CSM_FILTER_TAPS  1 (hardware 2x2) or 3 (3x3): fixes the filter; if not defined, it is as configured
+//   CSM_COMPARE(uv, layer, reference)   the bilinear comparison, instead of the two before
+//   CSM_TEXEL_LIT(texel, layer, reference)   the comparison with one texel, by its index: 1 or 0
+//   CSM_FILTER_TAPS  1 (2x2 texels) or 3 (3x3 of such): fixes the filter; if not defined, it is as configured
+//   CSM_BIAS_MODE    0 (slope) or 1 (receiver plane): fixes the bias, likewise
 #ifndef CSM_SAMPLE_GLSL
 #define CSM_SAMPLE_GLSL
 
@@ -30,6 +32,11 @@
 // Core GLSL has no textureLod of an array with comparison; without gradients this is level 0, in branches too.
 #ifndef CSM_COMPARE
 #define CSM_COMPARE(uv, layer, reference) textureGrad(CSM_SHADOWS, vec4(uv, layer, reference), vec2(0.0), vec2(0.0))
+#endif
+// At a texel's centre the bilinear comparison is that texel's own; GLSL cannot fetch from a sampler that compares.
+#ifndef CSM_TEXEL_LIT
+#define CSM_TEXEL_LIT(texel, layer, reference)                                                                         \
+    CSM_COMPARE((texel + 0.5) * CSM_CONSTANTS[CSM_C_PARAMS].z, layer, reference)
 #endif
 #define csm_float2 vec2
 #define csm_float3 vec3

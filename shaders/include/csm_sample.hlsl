@@ -10,8 +10,10 @@
 //   CSM_CONSTANTS    what is indexed for a float4 of the block (csm_c)
 //   CSM_MAPS         the maps (csm_maps)
 //   CSM_SAMPLER      the sampler (csm_compare)
-//   CSM_COMPARE(uv, layer, reference)   the comparison itself, instead of the two before
-//   CSM_FILTER_TAPS  1 (hardware 2x2) or 3 (3x3): fixes the filter; if not defined, it is as configured
+//   CSM_COMPARE(uv, layer, reference)   the bilinear comparison, instead of the two before
+//   CSM_TEXEL_LIT(texel, layer, reference)   the comparison with one texel, by its index: 1 or 0
+//   CSM_FILTER_TAPS  1 (2x2 texels) or 3 (3x3 of such): fixes the filter; if not defined, it is as configured
+//   CSM_BIAS_MODE    0 (slope) or 1 (receiver plane): fixes the bias, likewise
 #ifndef CSM_SAMPLE_HLSL
 #define CSM_SAMPLE_HLSL
 
@@ -28,6 +30,9 @@
 #endif
 #ifndef CSM_COMPARE
 #define CSM_COMPARE(uv, layer, reference) CSM_MAPS.SampleCmpLevelZero(CSM_SAMPLER, float3(uv, layer), reference)
+#endif
+#ifndef CSM_TEXEL_LIT
+#define CSM_TEXEL_LIT(texel, layer, reference) float(reference <= CSM_MAPS.Load(int4(int2(texel), int(layer), 0)))
 #endif
 #define csm_float2 float2
 #define csm_float3 float3

@@ -264,8 +264,8 @@ static void configurations(void **state) {
   assert_int_equal(csm_config_default(NULL), CSM_ERROR_NULL_POINTER);
 
   csm_config config = f.config;
-  config.reserved = 1;
-  expect_config(&f, &config, CSM_ERROR_INVALID_VALUE, "reserved");
+  config.bias_mode = 2;
+  expect_config(&f, &config, CSM_ERROR_INVALID_VALUE, "a bias that is not there");
   config = f.config;
   config.split_mode = CSM_SPLIT_MANUAL;
   expect_config(&f, &config, CSM_ERROR_INVALID_VALUE, "manual splits that are not given");

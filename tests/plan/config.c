@@ -29,7 +29,6 @@ static void describes_every_byte(void **state) {
   (void)state;
   bool described[sizeof(csm_config)] = {false};
   memset(&described[offsetof(csm_config, struct_size)], 1, sizeof(uint32_t));
-  memset(&described[offsetof(csm_config, reserved)], 1, sizeof(uint32_t));
   for (uint32_t i = 0; plan_config_field(i); ++i) {
     const csm_config_field *field = plan_config_field(i);
     assert_int_equal(field->struct_size, sizeof *field);
@@ -112,22 +111,12 @@ static void manual_splits_rise(void **state) {
   }
 }
 
-static void reserved_is_zero(void **state) {
-  (void)state;
-  csm_config config = default_config();
-  const char *error = "";
-  config.reserved = 1;
-  assert_int_equal(plan_config_check(&config, &error), CSM_ERROR_INVALID_VALUE);
-  assert_non_null(strstr(error, "reserved"));
-}
-
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(describes_every_byte),
       cmocka_unit_test(defaults_are_sound),
       cmocka_unit_test(takes_ranges_and_refuses_what_is_beyond),
       cmocka_unit_test(manual_splits_rise),
-      cmocka_unit_test(reserved_is_zero),
   };
   return cmocka_run_group_tests_name("plan-config", tests, NULL, NULL);
 }

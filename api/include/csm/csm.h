@@ -227,6 +227,7 @@ CSM_API csm_result CSM_CALL csm_mesh_destroy(csm_context *context, csm_mesh mesh
 
 enum { CSM_SPLIT_PRACTICAL = 0, CSM_SPLIT_MANUAL = 1 };
 enum { CSM_FILTER_PCF_2X2 = 0, CSM_FILTER_PCF_3X3 = 1 };
+enum { CSM_BIAS_SLOPE = 0, CSM_BIAS_RECEIVER_PLANE = 1 };
 
 /* A configuration of cascades. csm_config_describe gives the unit, range and default of every field. */
 typedef struct csm_config {
@@ -235,7 +236,7 @@ typedef struct csm_config {
   uint32_t resolution;    /* of every map, in texels a side; 16 to 16384, and what the device can do */
   uint32_t split_mode;    /* CSM_SPLIT_* */
   uint32_t filter;        /* CSM_FILTER_* */
-  uint32_t reserved;      /* 0 */
+  uint32_t bias_mode;     /* CSM_BIAS_*: one depth for the whole filter, or the receiver's plane under it */
   double shadow_distance; /* view depth at which shadows end, in metres */
   double split_lambda;    /* practical splits: 0 uniform, 1 logarithmic */
   double split_distances[CSM_MAX_CASCADES]; /* manual splits: where each cascade ends, as view depth in metres, rising;
@@ -244,7 +245,7 @@ typedef struct csm_config {
   double caster_distance;      /* how far before a slice, towards the light, a caster's depth is kept, in metres;
                                   nearer ones are clamped to the near plane, and still cast */
   double bias_constant_texels; /* depth bias towards the light, in texels' widths */
-  double bias_slope_texels;    /* depth bias for each unit of the receiver's slope to the light, in texels' widths */
+  double bias_slope_texels;    /* CSM_BIAS_SLOPE: depth bias for each unit of the receiver's slope to the light */
   double bias_slope_max;       /* slope (tangent) at which that stops growing */
   double bias_normal_texels;   /* offset of the receiver along its normal, in texels' widths */
 } csm_config;

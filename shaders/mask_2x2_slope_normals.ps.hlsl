@@ -1,0 +1,4 @@
+#define CSM_FILTER_TAPS 1
+#define CSM_BIAS_MODE 0
+#define MASK_NORMALS
+#include "private/mask.hlsl"
