@@ -4,6 +4,7 @@
 #include "host.h"
 #include "linear.h"
 #include "parse.h"
+#include "truth.h"
 #include <math.h>
 #include <string.h>
 #include <unistd.h>
@@ -14,6 +15,7 @@ static const char help[] =
     "csm-host: draws cascaded shadows on both backends and compares them\n"
     "\n"
     "  csm-host run    [options]   draw one frame on each backend, compare, write pictures\n"
+    "  csm-host measure [options]  draw one frame on each backend, and measure it against the truth\n"
     "  csm-host bench  [options]   time the depth pass of each backend against a bare loop, in turn\n"
     "  csm-host config             every key of a configuration with its unit, range and default, as JSON\n"
     "  csm-host --help\n"
@@ -32,6 +34,8 @@ static const char help[] =
     "                              differ, the second one's pictures lie beside them, with its name before each\n"
     "  --json FILE|-               the numbers as JSON\n"
     "  --dump DIR                  geometry, matrices, maps and masks of each backend\n"
+    "  --cache DIR                 measure: where truths are kept; $XDG_CACHE_HOME/csm or ~/.cache/csm\n"
+    "  --sun-samples N             measure: rays to a soft sun for each pixel, 4 to 4096; 256\n"
     "  --quick                     bench: 5 pairs instead of 31\n"
     "\n"
     "Exit codes: 0 the backends agree, 1 they differ, 2 bad input, 3 no device or backend.\n";
@@ -85,6 +89,14 @@ static int parse_preset(host_options *out, const char *value) {
   return host_fail(HOST_BAD_INPUT, "--preset: no preset is called '%s'; there are none in this version", value);
 }
 
+static int parse_sun_samples(host_options *out, const char *value) {
+  double count;
+  if (!parse_number(value, &count) || !(count >= 4.0 && count <= TRUTH_MAX_SUN_SAMPLES) || count != floor(count))
+    return host_fail(HOST_BAD_INPUT, "--sun-samples: not 4 to %d rays: '%s'", TRUTH_MAX_SUN_SAMPLES, value);
+  out->sun_samples = (uint32_t)count;
+  return 0;
+}
+
 /* An option that keeps its text, or one with a function that understands it. */
 typedef struct option {
   const char *name;
@@ -98,7 +110,8 @@ static int parse_option(host_options *out, const char *name, const char *value) 
                           {"--size", parse_picture_size, NULL}, {"--config", NULL, &out->config_file},
                           {"--preset", parse_preset, NULL},     {"--backend", parse_backend, NULL},
                           {"--device", NULL, &out->device},     {"--out", NULL, &out->out},
-                          {"--json", NULL, &out->json},         {"--dump", NULL, &out->dump}};
+                          {"--json", NULL, &out->json},         {"--dump", NULL, &out->dump},
+                          {"--cache", NULL, &out->cache},       {"--sun-samples", parse_sun_samples, NULL}};
   for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
     if (strcmp(name, known[i].name) != 0)
       continue;
@@ -113,19 +126,21 @@ static int parse_option(host_options *out, const char *name, const char *value) 
 }
 
 static int parse_command(host_options *out, const char *name) {
-  static const char *const names[] = {[COMMAND_CONFIG] = "config", [COMMAND_RUN] = "run", [COMMAND_BENCH] = "bench"};
+  static const char *const names[] = {
+      [COMMAND_CONFIG] = "config", [COMMAND_RUN] = "run", [COMMAND_MEASURE] = "measure", [COMMAND_BENCH] = "bench"};
   for (int i = COMMAND_CONFIG; i <= COMMAND_BENCH; i++)
     if (strcmp(name, names[i]) == 0) {
       out->command = (host_command)i;
       return 0;
     }
-  if (strcmp(name, "measure") == 0 || strcmp(name, "report") == 0)
+  if (strcmp(name, "report") == 0)
     return host_fail(HOST_BAD_INPUT, "'%s' is not in this version", name);
-  return host_fail(HOST_BAD_INPUT, "unknown command '%s' (run, bench, config, --help)", name);
+  return host_fail(HOST_BAD_INPUT, "unknown command '%s' (run, measure, bench, config, --help)", name);
 }
 
 int options_parse(host_options *out, int count, char **arguments) {
-  *out = (host_options){.scene = "valley", .width = 1280, .height = 720, .backends = {true, true}, .out = "out"};
+  *out = (host_options){
+      .scene = "valley", .width = 1280, .height = 720, .backends = {true, true}, .out = "out", .sun_samples = 256};
   for (int i = 1; i < count; i++)
     if (strcmp(arguments[i], "--help") == 0 || strcmp(arguments[i], "-h") == 0)
       return 0;

@@ -7,7 +7,7 @@
 #include "scene.h"
 #include <stdio.h>
 
-typedef enum host_command { COMMAND_HELP, COMMAND_CONFIG, COMMAND_RUN, COMMAND_BENCH } host_command;
+typedef enum host_command { COMMAND_HELP, COMMAND_CONFIG, COMMAND_RUN, COMMAND_MEASURE, COMMAND_BENCH } host_command;
 
 #define HOST_BACKENDS 2
 
@@ -25,6 +25,8 @@ typedef struct host_options {
   const char *out;              /* folder for pictures */
   const char *json;             /* file, "-" for stdout, or NULL */
   const char *dump;             /* folder, or NULL */
+  const char *cache;            /* folder for truths, or NULL: the user's own */
+  uint32_t sun_samples;         /* rays to a soft sun, for each pixel */
   bool quick;                   /* bench: fewer pairs */
 } host_options;
 

@@ -43,8 +43,7 @@ void parallel_rows(uint32_t rows, void (*work)(void *context, uint32_t row), voi
   pthread_t threads[MAX_THREADS];
   const long cores = sysconf(_SC_NPROCESSORS_ONLN);
   long started = 0;
-  while (started < cores - 1 && started < MAX_THREADS &&
-         pthread_create(&threads[started], NULL, work_off, &j) == 0)
+  while (started < cores - 1 && started < MAX_THREADS && pthread_create(&threads[started], NULL, work_off, &j) == 0)
     started++;
   work_off_and_tell(&j, progress);
   for (long i = 0; i < started; i++)

@@ -5,6 +5,8 @@
 
 #define TIMED_FRAMES 3
 
+const bool stage_alpha_test = false;
+
 static void CSM_CALL log_message(void *user, int32_t level, const char *message) {
   const stage *s = user;
   if (level == CSM_LOG_ERROR || level == CSM_LOG_WARNING)

@@ -16,6 +16,9 @@ typedef struct stage {
   csm_frame frame;
 } stage;
 
+/* Whether materials that are alpha-tested are drawn so. */
+extern const bool stage_alpha_test;
+
 /* What one frame left behind, in host memory. */
 typedef struct stage_frame {
   csm_binding binding;

@@ -33,10 +33,10 @@ struct truth {
 typedef struct cast {
   struct RTCIntersectContext context; /* first, so that a filter finds the rest */
   const truth_geometry *geometry;
-  uint32_t surface;             /* where the rays start, which they cannot hit; TRUTH_NOTHING: nowhere */
-  double from[3];               /* relative to the geometry's origin */
+  uint32_t surface;              /* where the rays start, which they cannot hit; TRUTH_NOTHING: nowhere */
+  double from[3];                /* relative to the geometry's origin */
   const double (*directions)[3]; /* by the ray's id; NULL: Embree's word on a hit is good enough */
-  double reach;                 /* in lengths of the directions */
+  double reach;                  /* in lengths of the directions */
 } cast;
 
 /* ---- scene ---- */
@@ -139,10 +139,10 @@ static int build_tree(truth *t) {
     return host_fail(HOST_BAD_INPUT, "Embree does not start here");
   rtcSetDeviceMemoryMonitorFunction(t->device, count_memory, t);
   RTCGeometry triangles = rtcNewGeometry(t->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetSharedGeometryBuffer(triangles, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, g->vertices, 0,
-                             3 * sizeof(float), g->vertex_count);
-  rtcSetSharedGeometryBuffer(triangles, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, g->indices, 0,
-                             3 * sizeof(uint32_t), g->triangle_count);
+  rtcSetSharedGeometryBuffer(triangles, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, g->vertices, 0, 3 * sizeof(float),
+                             g->vertex_count);
+  rtcSetSharedGeometryBuffer(triangles, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, g->indices, 0, 3 * sizeof(uint32_t),
+                             g->triangle_count);
   rtcSetGeometryIntersectFilterFunction(triangles, filter_hits);
   rtcSetGeometryOccludedFilterFunction(triangles, filter_hits);
   rtcCommitGeometry(triangles);
@@ -241,8 +241,7 @@ static void point_on_triangle(double point[3], double corners[3][3], const doubl
     sum += weights[i];
   }
   for (int axis = 0; axis < 3; axis++)
-    point[axis] =
-        (weights[0] * corners[0][axis] + weights[1] * corners[1][axis] + weights[2] * corners[2][axis]) / sum;
+    point[axis] = (weights[0] * corners[0][axis] + weights[1] * corners[1][axis] + weights[2] * corners[2][axis]) / sum;
 }
 
 static void triangle_normal(double normal[3], double corners[3][3]) {
@@ -423,8 +422,8 @@ static void sum_convergence(truth_convergence *out, const sunlight *s) {
   }
 }
 
-int truth_visibility(truth *t, const truth_view *view, const scene_light *light, double max_depth,
-                     uint32_t sun_samples, float *visibility, truth_convergence *convergence) {
+int truth_visibility(truth *t, const truth_view *view, const scene_light *light, double max_depth, uint32_t sun_samples,
+                     float *visibility, truth_convergence *convergence) {
   sunlight s = {.view = view, .light = light, .max_depth = max_depth, .visibility = visibility};
   int code = picture_begin(&s.picture, t, view->camera, view->width, view->height);
   if (code == 0)
@@ -449,7 +448,7 @@ typedef struct second_look {
   const truth_view *view;
   camera_rays other;
   const camera *other_camera;
-  double offset[3]; /* of the other camera from the geometry's origin */
+  double offset[3];   /* of the other camera from the geometry's origin */
   double to_clip[16]; /* from the other camera's position, in the world's axes */
   uint8_t *seen;
 } second_look;
@@ -471,7 +470,7 @@ static bool sees(const second_look *s, cast *c, const truth_surface *surface, co
     return false;
   memcpy(c->from, point, sizeof c->from);
   c->reach = 1.0;
-  return cast_one(c, s->picture.truth->world, (const double(*)[3])&to_camera, 1.0f);
+  return cast_one(c, s->picture.truth->world, (const double(*)[3]) & to_camera, 1.0f);
 }
 
 static void look_row(void *context, uint32_t row) {

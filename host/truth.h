@@ -46,8 +46,8 @@ int truth_view_fill(truth *t, const truth_view *view, const uint32_t *triangles)
  * hidden sun. */
 typedef struct truth_convergence {
   uint32_t samples;
-  uint64_t pixels;               /* that see a part of the sun, by all samples or by the first half */
-  double rms_quarter, rms_half;  /* of the first quarter, and half, of the samples */
+  uint64_t pixels;              /* that see a part of the sun, by all samples or by the first half */
+  double rms_quarter, rms_half; /* of the first quarter, and half, of the samples */
   double largest_half;
 } truth_convergence;
 
@@ -56,8 +56,8 @@ typedef struct truth_convergence {
  * away from the sun's middle, or lies beyond max_depth. One ray for a disc of 0 degrees, else `sun_samples`, 4 to
  * TRUTH_MAX_SUN_SAMPLES. 0, or HOST_BAD_INPUT after a message.
  */
-int truth_visibility(truth *t, const truth_view *view, const scene_light *light, double max_depth,
-                     uint32_t sun_samples, float *visibility, truth_convergence *convergence);
+int truth_visibility(truth *t, const truth_view *view, const scene_light *light, double max_depth, uint32_t sun_samples,
+                     float *visibility, truth_convergence *convergence);
 
 /* Whether another camera sees each pixel's point too, from the same side. 0, or HOST_BAD_INPUT after a message. */
 int truth_seen(truth *t, const truth_view *view, const camera *other, uint8_t *seen);

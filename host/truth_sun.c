@@ -51,7 +51,8 @@ void truth_sun_make(truth_sun *out, const scene_light *light, uint32_t samples) 
   vec_cross(right, middle, least);
   vec_normalize(right);
   vec_cross(up, middle, right);
-  const double depth = 1.0 - cos(light->disc_deg * (PI / 360.0)); /* of the cap that the disc cuts off the unit sphere */
+  const double depth =
+      1.0 - cos(light->disc_deg * (PI / 360.0)); /* of the cap that the disc cuts off the unit sphere */
   for (uint32_t set = 0; set < SETS; set++)
     for (uint32_t i = 0; i < samples; i++) {
       double radius, angle;
