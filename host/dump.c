@@ -87,13 +87,6 @@ int dump_ply(const scene *s, const char *path) {
 
 /* ---- frame.json ---- */
 
-json_t *light_to_json(const scene_light *light) {
-  json_t *object = json_object();
-  json_object_set_new(object, "direction", json_from_doubles(light->direction, 3));
-  json_object_set_new(object, "disc_deg", json_real(light->disc_deg));
-  return object;
-}
-
 static json_t *cascade_to_json(const csm_cascade_info *cascade) {
   json_t *object = json_object();
   json_object_set_new(object, "near", json_real(cascade->near_depth));

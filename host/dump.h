@@ -11,9 +11,6 @@
  */
 int dump_frame(const char *folder, const stage *s, const stage_frame *frame, json_t *metrics);
 
-/* A new `light` object. */
-json_t *light_to_json(const scene_light *light);
-
 /* World-space triangles of the scene. 0, or HOST_BAD_INPUT after a message. */
 int dump_ply(const scene *s, const char *path);
 /* `values` have the top row first. 0, or HOST_BAD_INPUT after a message. */

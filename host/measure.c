@@ -4,11 +4,9 @@
 #include "config_json.h"
 #include "dump.h"
 #include "host.h"
+#include "measure_path.h"
 #include "measure_picture.h"
-#include "metrics.h"
 #include "output.h"
-#include "stage.h"
-#include "truth_store.h"
 #include <inttypes.h>
 #include <stdlib.h>
 
@@ -27,6 +25,8 @@ typedef struct measurement {
   metrics metrics[HOST_BACKENDS];
   uint8_t *kinds[HOST_BACKENDS];
   agreement agreement; /* with two */
+  measure_path path;
+  path_result results[HOST_BACKENDS]; /* along the path */
 } measurement;
 
 static int open_all(measurement *m) {
@@ -60,9 +60,7 @@ static int cast_truth(measurement *m) {
                          .height = setup->height,
                          .surfaces = host_allocate(pixels, sizeof *m->view.surfaces)};
   m->visibility = host_allocate(pixels, sizeof *m->visibility);
-  int code = truth_store_open(&m->store, &setup->scene, stage_alpha_test, m->options->cache);
-  if (code == 0)
-    code = truth_store_view(&m->store, &m->view);
+  int code = truth_store_view(&m->store, &m->view);
   if (code == 0)
     code = truth_store_visibility(&m->store, &m->view, &setup->light, setup->shadow_distance, m->options->sun_samples,
                                   m->visibility, &m->convergence);
@@ -137,16 +135,20 @@ static double mask_ms(const csm_stats *stats) {
   return stats->mask_gpu_ms;
 }
 
-static void print_table(FILE *to, const measurement *m) {
+static void print_setup(FILE *to, const measurement *m) {
   const host_setup *setup = &m->setup;
-  const char *names[HOST_BACKENDS];
-  for (uint32_t i = 0; i < m->count; i++)
-    names[i] = m->stages[i].backend;
   fprintf(to, "scene %s: %" PRIu64 " triangles; %ux%u; shadow distance %g m; %u maps of %u x %u\n", setup->scene.name,
           scene_triangles(&setup->scene), setup->width, setup->height, setup->shadow_distance,
           setup->config.cascade_count, setup->config.resolution, setup->config.resolution);
   for (uint32_t i = 0; i < m->count; i++)
     fprintf(to, "  %-8s %s; %s\n", m->stages[i].backend, m->stages[i].device, m->stages[i].driver);
+}
+
+static void print_table(FILE *to, const measurement *m) {
+  const char *names[HOST_BACKENDS];
+  for (uint32_t i = 0; i < m->count; i++)
+    names[i] = m->stages[i].backend;
+  print_setup(to, m);
   print_truth(to, m);
   fputc('\n', to);
   metrics_print(to, m->metrics, names, m->count);
@@ -189,19 +191,24 @@ static json_t *backend_to_json(const measurement *m, uint32_t i) {
   return object;
 }
 
-static json_t *to_json(const measurement *m) {
+static json_t *setup_to_json(const measurement *m) {
   const host_setup *setup = &m->setup;
-  json_t *object = json_object(), *backends = json_array();
-  for (uint32_t i = 0; i < m->count; i++)
-    json_array_append_new(backends, backend_to_json(m, i));
+  json_t *object = json_object();
   json_object_set_new(object, "scene", json_string(setup->scene.name));
   json_object_set_new(object, "triangles", json_integer((json_int_t)scene_triangles(&setup->scene)));
   json_object_set_new(object, "width", json_integer(setup->width));
   json_object_set_new(object, "height", json_integer(setup->height));
   json_object_set_new(object, "shadow_distance", json_real(setup->shadow_distance));
-  json_object_set_new(object, "camera", camera_to_json(&setup->camera));
-  json_object_set_new(object, "light", light_to_json(&setup->light));
   json_object_set_new(object, "config", config_to_json(&setup->config));
+  return object;
+}
+
+static json_t *to_json(const measurement *m) {
+  json_t *object = setup_to_json(m), *backends = json_array();
+  for (uint32_t i = 0; i < m->count; i++)
+    json_array_append_new(backends, backend_to_json(m, i));
+  json_object_set_new(object, "camera", camera_to_json(&m->setup.camera));
+  json_object_set_new(object, "light", light_to_json(&m->setup.light));
   json_object_set_new(object, "truth", truth_to_json(m));
   json_object_set_new(object, "backends", backends);
   if (m->count == 2)
@@ -253,35 +260,95 @@ static int dump_all(const measurement *m) {
   return code;
 }
 
-int measure_command(const host_options *options) {
-  measurement *m = host_allocate(1, sizeof *m);
-  m->options = options;
-  int code = setup_load(&m->setup, options);
+/* ---- along a path ---- */
+
+static void print_path(FILE *to, const measurement *m) {
+  const char *names[HOST_BACKENDS];
+  metrics pooled[HOST_BACKENDS];
+  flicker flickers[HOST_BACKENDS];
+  for (uint32_t i = 0; i < m->count; i++) {
+    names[i] = m->stages[i].backend;
+    pooled[i] = m->results[i].pooled;
+    flickers[i] = m->results[i].flicker;
+  }
+  print_setup(to, m);
+  fprintf(to, "path: %u frames as one; truth cast in %.2f s, %u of %u answers from before\n\n", m->path.count,
+          m->store.cast_ms * 1e-3, m->store.loaded, m->store.cast + m->store.loaded);
+  metrics_print(to, pooled, names, m->count);
+  flicker_print(to, flickers, m->count);
+}
+
+static json_t *path_to_json(const measurement *m) {
+  json_t *object = setup_to_json(m), *backends = json_array();
+  for (uint32_t i = 0; i < m->count; i++) {
+    const path_result *result = &m->results[i];
+    json_t *backend = json_object(), *pooled = metrics_to_json(&result->pooled), *frames = json_array();
+    for (uint32_t f = 0; f < m->path.count; f++)
+      json_array_append_new(frames, metrics_to_json(&result->frames[f]));
+    flicker_to_json(pooled, &result->flicker);
+    json_object_set_new(backend, "name", json_string(m->stages[i].backend));
+    json_object_set_new(backend, "device", json_string(m->stages[i].device));
+    json_object_set_new(backend, "driver", json_string(m->stages[i].driver));
+    json_object_set_new(backend, "metrics", pooled);
+    json_object_set_new(backend, "frames", frames);
+    json_array_append_new(backends, backend);
+  }
+  json_object_set_new(object, "frames", json_integer(m->path.count));
+  json_object_set_new(object, "backends", backends);
+  return object;
+}
+
+static int measure_along_path(measurement *m) {
+  int code = 0;
+  for (uint32_t i = 0; code == 0 && i < m->count; i++)
+    code = stage_load(&m->stages[i], &m->setup);
   if (code == 0)
-    code = open_all(m);
-  if (code == 0)
-    code = cast_truth(m);
+    code = measure_path_run(m->results, &m->path, &m->store, m->stages, m->count, m->options->sun_samples);
+  if (code)
+    return code;
+  print_path(output_table(m->options), m);
+  return output_json(m->options, path_to_json(m));
+}
+
+static int measure_frame(measurement *m) {
+  const host_options *options = m->options;
+  int code = cast_truth(m);
   if (code == 0)
     code = measure_all(m);
-  if (code == 0)
-    print_table(output_table(options), m);
-  if (code == 0)
-    code = save_pictures(m);
+  if (code)
+    return code;
+  print_table(output_table(options), m);
+  code = save_pictures(m);
   if (code == 0)
     fprintf(output_table(options), "  pictures     %s/\n", options->out);
   if (code == 0 && options->dump)
     code = dump_all(m);
   if (code == 0)
     code = output_json(options, to_json(m));
-  if (code == 0 && m->count == 2 && !m->agreement.agrees)
-    code = HOST_DIFFER;
+  return code == 0 && m->count == 2 && !m->agreement.agrees ? HOST_DIFFER : code;
+}
+
+int measure_command(const host_options *options) {
+  measurement *m = host_allocate(1, sizeof *m);
+  m->options = options;
+  int code = setup_load(&m->setup, options);
+  if (code == 0)
+    code = measure_path_load(&m->path, options, &m->setup);
+  if (code == 0)
+    code = truth_store_open(&m->store, &m->setup.scene, stage_alpha_test, options->cache);
+  if (code == 0)
+    code = open_all(m);
+  if (code == 0)
+    code = m->path.count ? measure_along_path(m) : measure_frame(m);
   for (uint32_t i = 0; i < m->count; i++) {
+    path_result_free(&m->results[i]);
     stage_frame_free(&m->frames[i]);
     stage_close(&m->stages[i]);
     free(m->kinds[i]);
   }
   free(m->view.surfaces);
   free(m->visibility);
+  measure_path_free(&m->path);
   truth_store_close(&m->store);
   setup_free(&m->setup);
   free(m);

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define GRAZING 0.02         /* cosine up to which the light grazes a surface */
 #define DEPTH_TOLERANCE 1e-3 /* share of the view depth that the camera's depth may be off */
 #define NEAR_EDGE_PX 2.0
 #define NEAR_EDGE_TEXELS 1.5
@@ -36,7 +35,7 @@ static metrics_kind kind_of(const metrics_frame *frame, const camera_rays *rays,
   *depth_differs = !(fabs(depth - surface->view_depth) <= DEPTH_TOLERANCE * fabs(surface->view_depth));
   if (*depth_differs)
     return METRICS_LEFT_OUT;
-  return facing > GRAZING ? METRICS_RIGHT : METRICS_GRAZING;
+  return facing > METRICS_GRAZING_COSINE ? METRICS_RIGHT : METRICS_GRAZING;
 }
 
 static uint64_t choose(const metrics_frame *frame, uint8_t *kinds, uint64_t *depth_pixels) {
@@ -53,11 +52,6 @@ static uint64_t choose(const metrics_frame *frame, uint8_t *kinds, uint64_t *dep
       *depth_pixels += depth_differs;
     }
   return count;
-}
-
-uint64_t metrics_choose(const metrics_frame *frame, uint8_t *kinds) {
-  uint64_t depth_pixels;
-  return choose(frame, kinds, &depth_pixels);
 }
 
 /* Why nothing is left: the first thing that no pixel has. */
@@ -229,4 +223,59 @@ int metrics_measure(metrics *out, const metrics_frame *frame, uint8_t *kinds) {
   edges_free(&is);
   edges_free(&drawn);
   return 0;
+}
+
+/* ---- several frames ---- */
+
+static double weighted(double sum, double value, uint64_t weight) {
+  return sum + value * (double)weight;
+}
+
+static void pool_edges(metrics *out, const metrics *frames, uint32_t count) {
+  double sum = 0.0;
+  uint64_t length = 0;
+  for (uint32_t i = 0; i < count; i++) {
+    const metrics *m = &frames[i];
+    out->edge_true_px += m->edge_true_px;
+    out->edge_drawn_px += m->edge_drawn_px;
+    out->edge_true_alone_px += m->edge_true_alone_px;
+    out->edge_drawn_alone_px += m->edge_drawn_alone_px;
+    if (m->edge_px >= 0.0) {
+      sum = weighted(sum, m->edge_px, m->edge_true_px + m->edge_drawn_px);
+      length += m->edge_true_px + m->edge_drawn_px;
+    }
+  }
+  out->edge_px = length ? sum / (double)length : -1.0;
+}
+
+void metrics_pool(metrics *out, const metrics *frames, uint32_t count) {
+  *out = (metrics){0};
+  pool_edges(out, frames, count);
+  double square = 0.0;
+  for (uint32_t i = 0; i < count; i++) {
+    const metrics *m = &frames[i];
+    out->lit = weighted(out->lit, m->lit, m->pixels);
+    out->false_lit = weighted(out->false_lit, m->false_lit, m->pixels);
+    out->false_shadow = weighted(out->false_shadow, m->false_shadow, m->pixels);
+    out->mean = weighted(out->mean, m->mean, m->pixels);
+    out->mean_absolute = weighted(out->mean_absolute, m->mean_absolute, m->pixels);
+    out->acne = weighted(out->acne, m->acne, m->pixels);
+    out->leak = weighted(out->leak, m->leak, m->pixels);
+    square = weighted(square, m->rmse * m->rmse, m->pixels);
+    out->grazing_false_lit = weighted(out->grazing_false_lit, m->grazing_false_lit, m->grazing_pixels);
+    out->grazing_false_shadow = weighted(out->grazing_false_shadow, m->grazing_false_shadow, m->grazing_pixels);
+    out->pixels += m->pixels;
+    out->grazing_pixels += m->grazing_pixels;
+    out->depth_pixels += m->depth_pixels;
+  }
+  const double share = 1.0 / (double)out->pixels;
+  double *const means[] = {&out->lit,           &out->false_lit, &out->false_shadow, &out->mean,
+                           &out->mean_absolute, &out->acne,      &out->leak};
+  for (size_t i = 0; i < sizeof means / sizeof means[0]; i++)
+    *means[i] *= share;
+  out->rmse = sqrt(square * share);
+  if (out->grazing_pixels) {
+    out->grazing_false_lit /= (double)out->grazing_pixels;
+    out->grazing_false_shadow /= (double)out->grazing_pixels;
+  }
 }

@@ -7,6 +7,7 @@
 #include <stdio.h>
 
 #define METRICS_EDGE_CAP_PX 16.0
+#define METRICS_GRAZING_COSINE 0.02 /* up to which the light grazes a surface */
 
 /* What a pixel is, in the order of drawing it over what lies below. */
 typedef enum metrics_kind {
@@ -44,15 +45,14 @@ typedef struct metrics_frame {
 } metrics_frame;
 
 /*
- * Fills `kinds`, one for each pixel, with METRICS_LEFT_OUT, METRICS_GRAZING or METRICS_RIGHT: the last ones are the
- * set S. Returns how many those are.
- */
-uint64_t metrics_choose(const metrics_frame *frame, uint8_t *kinds);
-
-/*
- * Measures a frame, and refines `kinds`. 0, or HOST_BAD_INPUT after a message that says why nothing can be measured.
+ * Measures a frame, and fills `kinds`, one for each pixel: the set S is those from METRICS_RIGHT on. 0, or
+ * HOST_BAD_INPUT after a message that says why nothing can be measured.
  */
 int metrics_measure(metrics *out, const metrics_frame *frame, uint8_t *kinds);
+
+/* The metrics of several frames as one: shares and means over all their pixels, counts summed. Precondition: count > 0.
+ */
+void metrics_pool(metrics *out, const metrics *frames, uint32_t count);
 
 /* A table with a column for each of the names. */
 void metrics_print(FILE *to, const metrics *all, const char *const *names, uint32_t count);
