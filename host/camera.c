@@ -95,3 +95,46 @@ const char *camera_from_matrices(camera *out, const double view[16], const doubl
     out->forward[i] = sign * view[i * 4 + 2];
   return vec_normalize(out->forward) ? NULL : "its view matrix is singular";
 }
+
+/* ---- rays ---- */
+
+bool camera_rays_make(camera_rays *out, const camera *from, uint32_t width, uint32_t height) {
+  *out = (camera_rays){.width = width, .height = height, .reversed = from->reversed};
+  return mat_invert(out->unproject, from->projection) && mat_invert(out->unview, from->view);
+}
+
+/* View position of clip (x, y, depth). False where it is at infinity. */
+static bool view_position(double out[3], const camera_rays *rays, double x, double y, double depth) {
+  double point[4];
+  mat_transform(point, rays->unproject, (const double[3]){x, y, depth}, 1.0);
+  for (int i = 0; i < 3; i++)
+    out[i] = point[i] / point[3];
+  return all_finite(out, 3) && vec_length(out) < 1e15;
+}
+
+/* The direction is taken towards the middle of the depth range, which is finite for every projection. */
+void camera_ray(const camera_rays *rays, double x, double y, double origin[3], double direction[3], double *reach) {
+  double from[3], middle[3], end[3], turned[4];
+  view_position(from, rays, x, y, rays->reversed ? 1.0 : 0.0);
+  view_position(middle, rays, x, y, 0.5);
+  vec_subtract(middle, middle, from);
+  vec_normalize(middle);
+  *reach = INFINITY;
+  if (view_position(end, rays, x, y, rays->reversed ? 0.0 : 1.0)) {
+    vec_subtract(end, end, from);
+    *reach = vec_length(end);
+  }
+  mat_transform(turned, rays->unview, from, 0.0);
+  memcpy(origin, turned, 3 * sizeof(double));
+  mat_transform(turned, rays->unview, middle, 0.0);
+  memcpy(direction, turned, 3 * sizeof(double));
+  vec_normalize(direction);
+}
+
+double camera_pixel_x(const camera_rays *rays, uint32_t column) {
+  return 2.0 * (column + 0.5) / rays->width - 1.0;
+}
+
+double camera_pixel_y(const camera_rays *rays, uint32_t row) {
+  return 1.0 - 2.0 * (row + 0.5) / rays->height;
+}

@@ -3,6 +3,7 @@
 #define HOST_CAMERA_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 typedef struct camera {
   double view[16];       /* world to view */
@@ -29,5 +30,24 @@ void camera_from_pose(camera *out, const camera_pose *pose, double aspect);
 
 /* Finds position, forward, near, far and reversed from the two matrices. NULL, or what is wrong with them. */
 const char *camera_from_matrices(camera *out, const double view[16], const double projection[16]);
+
+/* The rays through the centres of a picture's pixels. */
+typedef struct camera_rays {
+  double unproject[16]; /* clip to view */
+  double unview[16];    /* view to world; its last column is the point that rays are relative to */
+  uint32_t width, height;
+  bool reversed;
+} camera_rays;
+
+/* False: the camera's matrices are singular. */
+bool camera_rays_make(camera_rays *out, const camera *from, uint32_t width, uint32_t height);
+/*
+ * The ray through clip (x, y), in the world relative to the view's origin: from the near plane, in a unit direction,
+ * to the far plane, `reach` metres on, or INFINITY. For every projection.
+ */
+void camera_ray(const camera_rays *rays, double x, double y, double origin[3], double direction[3], double *reach);
+/* Clip x and y of a pixel's centre. */
+double camera_pixel_x(const camera_rays *rays, uint32_t column);
+double camera_pixel_y(const camera_rays *rays, uint32_t row);
 
 #endif

@@ -1,23 +1,25 @@
 #include "camera_json.h"
 #include "host.h"
+#include "linear.h"
 #include <math.h>
 #include <string.h>
 
-static int read_doubles(const json_t *object, const char *key, double *out, size_t count) {
+static int read_doubles(const json_t *object, const json_source *from, const char *key, double *out, size_t count) {
   const json_t *array = json_object_get(object, key);
-  if (!json_is_array(array) || json_array_size(array) != count)
-    return host_fail(HOST_BAD_INPUT, "--camera: '%s' must be an array of %zu numbers", key, count);
-  for (size_t i = 0; i < count; i++) {
+  bool right = json_is_array(array) && json_array_size(array) == count;
+  for (size_t i = 0; right && i < count; i++) {
     const json_t *value = json_array_get(array, i);
-    if (!json_is_number(value))
-      return host_fail(HOST_BAD_INPUT, "--camera: '%s' must be an array of %zu numbers", key, count);
+    right = json_is_number(value);
     out[i] = json_number_value(value);
   }
-  return 0;
+  char problem[64];
+  snprintf(problem, sizeof problem, "must be an array of %zu numbers", count);
+  return right ? 0 : json_source_fail(from, key, problem);
 }
 
 /* A positive number, or null for infinity where that is allowed; an absent key leaves *out as it is. */
-static int read_depth(const json_t *object, const char *key, bool infinite_allowed, double *out) {
+static int read_depth(const json_t *object, const json_source *from, const char *key, bool infinite_allowed,
+                      double *out) {
   const json_t *value = json_object_get(object, key);
   if (!value)
     return 0;
@@ -26,42 +28,60 @@ static int read_depth(const json_t *object, const char *key, bool infinite_allow
   else if (json_is_number(value))
     *out = json_number_value(value);
   else
-    return host_fail(HOST_BAD_INPUT, "--camera: '%s' must be a number", key);
+    return json_source_fail(from, key, "must be a number");
   return 0;
 }
 
-static int read_camera(camera *out, const json_t *object) {
+int camera_from_object(camera *out, const json_t *object, const json_source *from) {
   double view[16], projection[16];
-  int code = read_doubles(object, "view", view, 16);
+  if (!json_is_object(object))
+    return json_source_fail(from, NULL, "is not a camera");
+  int code = read_doubles(object, from, "view", view, 16);
   if (code == 0)
-    code = read_doubles(object, "projection", projection, 16);
+    code = read_doubles(object, from, "projection", projection, 16);
   if (code)
     return code;
   const char *problem = camera_from_matrices(out, view, projection);
   if (problem)
-    return host_fail(HOST_BAD_INPUT, "--camera: %s", problem);
+    return json_source_fail(from, NULL, problem);
   const json_t *reversed = json_object_get(object, "reversed");
   if (reversed && (!json_is_boolean(reversed) || json_boolean_value(reversed) != out->reversed))
-    return host_fail(HOST_BAD_INPUT, "--camera: 'reversed' contradicts the projection");
+    return json_source_fail(from, "reversed", "contradicts the projection");
   /* the file's own numbers, rather than what is left of them in the projection */
   if (json_object_get(object, "position"))
-    code = read_doubles(object, "position", out->position, 3);
+    code = read_doubles(object, from, "position", out->position, 3);
   if (code == 0)
-    code = read_depth(object, "near", false, &out->near_depth);
+    code = read_depth(object, from, "near", false, &out->near_depth);
   if (code == 0)
-    code = read_depth(object, "far", true, &out->far_depth);
+    code = read_depth(object, from, "far", true, &out->far_depth);
   if (code == 0 && !(out->far_depth > out->near_depth))
-    code = host_fail(HOST_BAD_INPUT, "--camera: 'far' must be beyond 'near'");
+    code = json_source_fail(from, "far", "must be beyond 'near'");
   return code;
 }
 
-static int read_size(const json_t *root, const char *key, uint32_t *out) {
+static int read_size(const json_t *root, const json_source *from, const char *key, uint32_t *out) {
   const json_t *value = json_object_get(root, key);
   if (!value)
     return 0;
   if (!json_is_integer(value) || json_integer_value(value) < 1 || json_integer_value(value) > 16384)
-    return host_fail(HOST_BAD_INPUT, "--camera: '%s' must be 1 to 16384", key);
+    return json_source_fail(from, key, "must be 1 to 16384");
   *out = (uint32_t)json_integer_value(value);
+  return 0;
+}
+
+int light_from_object(scene_light *out, const json_t *object, const json_source *from) {
+  if (!json_is_object(object))
+    return json_source_fail(from, NULL, "is not a light");
+  *out = (scene_light){0};
+  const int code = read_doubles(object, from, "direction", out->direction, 3);
+  if (code)
+    return code;
+  if (vec_length(out->direction) == 0.0)
+    return json_source_fail(from, "direction", "must not be zero");
+  const json_t *disc = json_object_get(object, "disc_deg");
+  out->disc_deg = json_number_value(disc);
+  if (disc && (!json_is_number(disc) || out->disc_deg < 0.0 || out->disc_deg >= 180.0))
+    return json_source_fail(from, "disc_deg", "must be 0 to 180 degrees");
   return 0;
 }
 
@@ -70,14 +90,15 @@ int camera_from_json(camera *out, uint32_t *width, uint32_t *height, const char 
   json_t *root = json_load_file(path, JSON_REJECT_DUPLICATES, &error);
   if (!root)
     return host_fail(HOST_BAD_INPUT, "--camera: '%s': line %d: %s", path, error.line, error.text);
+  const json_source from = {.name = "--camera"};
   const json_t *inner = json_object_get(root, "camera");
   int code = json_is_object(root) ? 0 : host_fail(HOST_BAD_INPUT, "--camera: '%s' is not a JSON object", path);
   if (code == 0)
-    code = read_camera(out, inner ? inner : root);
+    code = camera_from_object(out, inner ? inner : root, &from);
   if (code == 0 && inner)
-    code = read_size(root, "width", width);
+    code = read_size(root, &from, "width", width);
   if (code == 0 && inner)
-    code = read_size(root, "height", height);
+    code = read_size(root, &from, "height", height);
   if (code == 0 && (*width == 0) != (*height == 0))
     code = host_fail(HOST_BAD_INPUT, "--camera: 'width' and 'height' belong together");
   json_decref(root);
@@ -99,5 +120,12 @@ json_t *camera_to_json(const camera *from) {
   json_object_set_new(object, "near", json_real(from->near_depth));
   json_object_set_new(object, "far", isinf(from->far_depth) ? json_null() : json_real(from->far_depth));
   json_object_set_new(object, "reversed", json_boolean(from->reversed));
+  return object;
+}
+
+json_t *light_to_json(const scene_light *light) {
+  json_t *object = json_object();
+  json_object_set_new(object, "direction", json_from_doubles(light->direction, 3));
+  json_object_set_new(object, "disc_deg", json_real(light->disc_deg));
   return object;
 }

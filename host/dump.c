@@ -87,13 +87,6 @@ int dump_ply(const scene *s, const char *path) {
 
 /* ---- frame.json ---- */
 
-static json_t *light_to_json(const scene_light *light) {
-  json_t *object = json_object();
-  json_object_set_new(object, "direction", json_from_doubles(light->direction, 3));
-  json_object_set_new(object, "disc_deg", json_real(light->disc_deg));
-  return object;
-}
-
 static json_t *cascade_to_json(const csm_cascade_info *cascade) {
   json_t *object = json_object();
   json_object_set_new(object, "near", json_real(cascade->near_depth));
@@ -104,7 +97,7 @@ static json_t *cascade_to_json(const csm_cascade_info *cascade) {
   return object;
 }
 
-static json_t *frame_to_json(const stage *s, const csm_binding *binding) {
+static json_t *frame_to_json(const stage *s, const csm_binding *binding, json_t *metrics) {
   const host_setup *setup = s->setup;
   json_t *object = json_object(), *cascades = json_array();
   for (uint32_t k = 0; k < binding->cascade_count; k++)
@@ -116,21 +109,23 @@ static json_t *frame_to_json(const stage *s, const csm_binding *binding) {
   json_object_set_new(object, "shadow_distance", json_real(setup->shadow_distance));
   json_object_set_new(object, "cascades", cascades);
   json_object_set_new(object, "config", config_to_json(&setup->config));
+  if (metrics)
+    json_object_set(object, "metrics", metrics);
   return object;
 }
 
-static int write_frame_json(const stage *s, const csm_binding *binding, const char *path) {
+static int write_frame_json(const stage *s, const csm_binding *binding, json_t *metrics, const char *path) {
   FILE *file = open_for_writing(path);
   if (!file)
     return HOST_BAD_INPUT;
-  json_t *object = frame_to_json(s, binding);
+  json_t *object = frame_to_json(s, binding, metrics);
   json_dumpf(object, file, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
   json_decref(object);
   fputc('\n', file);
   return finish_writing(file, path);
 }
 
-int dump_frame(const char *folder, const stage *s, const stage_frame *frame) {
+int dump_frame(const char *folder, const stage *s, const stage_frame *frame, json_t *metrics) {
   char path[PATH_SIZE], name[PATH_SIZE];
   const host_setup *setup = s->setup;
   if ((size_t)snprintf(name, sizeof name, "%s/%s", folder, s->backend) >= sizeof name - 32)
@@ -138,7 +133,7 @@ int dump_frame(const char *folder, const stage *s, const stage_frame *frame) {
   int code = host_make_folder(name);
   snprintf(path, sizeof path, "%s/frame.json", name);
   if (code == 0)
-    code = write_frame_json(s, &frame->binding, path);
+    code = write_frame_json(s, &frame->binding, metrics, path);
   snprintf(path, sizeof path, "%s/scene.ply", name);
   if (code == 0)
     code = dump_ply(&setup->scene, path);

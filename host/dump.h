@@ -3,12 +3,13 @@
 #define HOST_DUMP_H
 
 #include "stage.h"
+#include <jansson.h>
 
 /*
- * Writes frame.json, scene.ply, depth_K.pfm, camera_depth.pfm and mask.pfm into FOLDER/BACKEND. 0, or HOST_BAD_INPUT
- * after a message.
+ * Writes frame.json (with the metrics, where they are not NULL), scene.ply, depth_K.pfm, camera_depth.pfm and mask.pfm
+ * into FOLDER/BACKEND. 0, or HOST_BAD_INPUT after a message.
  */
-int dump_frame(const char *folder, const stage *s, const stage_frame *frame);
+int dump_frame(const char *folder, const stage *s, const stage_frame *frame, json_t *metrics);
 
 /* World-space triangles of the scene. 0, or HOST_BAD_INPUT after a message. */
 int dump_ply(const scene *s, const char *path);

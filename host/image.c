@@ -68,20 +68,44 @@ static void mean_of_pixels(const uint8_t *rgba, size_t count, float mean[3]) {
     mean[c] = weight > 0.0 ? (float)(sum[c] / weight) : 1.0f;
 }
 
-int image_mean_of_png(const void *data, uint64_t size, float mean[3]) {
+/* Four bytes a pixel, for the caller to free; NULL if it cannot be read. */
+static uint8_t *decode_png(const void *data, uint64_t size, uint32_t *width, uint32_t *height) {
   spng_ctx *png = spng_ctx_new(0);
+  struct spng_ihdr header = {0};
   size_t bytes = 0;
   uint8_t *pixels = NULL;
   int error = png ? spng_set_png_buffer(png, data, size) : SPNG_EMEM;
+  if (!error)
+    error = spng_get_ihdr(png, &header);
   if (!error)
     error = spng_decoded_image_size(png, SPNG_FMT_RGBA8, &bytes);
   if (!error) {
     pixels = host_allocate(bytes, 1);
     error = spng_decode_image(png, pixels, bytes, SPNG_FMT_RGBA8, SPNG_DECODE_TRNS);
   }
-  if (!error)
-    mean_of_pixels(pixels, bytes / 4, mean);
-  free(pixels);
   spng_ctx_free(png);
-  return error;
+  if (error) {
+    free(pixels);
+    return NULL;
+  }
+  *width = header.width;
+  *height = header.height;
+  return pixels;
+}
+
+int image_mean_of_png(const void *data, uint64_t size, float mean[3]) {
+  uint32_t width, height;
+  uint8_t *pixels = decode_png(data, size, &width, &height);
+  if (!pixels)
+    return 1;
+  mean_of_pixels(pixels, (size_t)width * height, mean);
+  free(pixels);
+  return 0;
+}
+
+uint8_t *image_alpha_of_png(const void *data, uint64_t size, uint32_t *width, uint32_t *height) {
+  uint8_t *pixels = decode_png(data, size, width, height);
+  for (size_t i = 0; pixels && i < (size_t)*width * *height; i++)
+    pixels[i] = pixels[4 * i + 3];
+  return pixels;
 }

@@ -1,6 +1,7 @@
 /* main.c: csm-host: scenes, both backends side by side, measurements and pictures. */
 #include "bench.h"
 #include "config_json.h"
+#include "measure.h"
 #include "options.h"
 #include "output.h"
 #include "run.h"
@@ -18,6 +19,8 @@ int main(int count, char **arguments) {
     return output_json_to_stdout(config_describe_json());
   case COMMAND_RUN:
     return run_command(&options);
+  case COMMAND_MEASURE:
+    return measure_command(&options);
   case COMMAND_BENCH:
     return bench_command(&options);
   }

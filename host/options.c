@@ -4,6 +4,7 @@
 #include "host.h"
 #include "linear.h"
 #include "parse.h"
+#include "truth.h"
 #include <math.h>
 #include <string.h>
 #include <unistd.h>
@@ -14,6 +15,7 @@ static const char help[] =
     "csm-host: draws cascaded shadows on both backends and compares them\n"
     "\n"
     "  csm-host run    [options]   draw one frame on each backend, compare, write pictures\n"
+    "  csm-host measure [options]  draw one frame on each backend, and measure it against the truth\n"
     "  csm-host bench  [options]   time the depth pass of each backend against a bare loop, in turn\n"
     "  csm-host config             every key of a configuration with its unit, range and default, as JSON\n"
     "  csm-host --help\n"
@@ -32,6 +34,11 @@ static const char help[] =
     "                              differ, the second one's pictures lie beside them, with its name before each\n"
     "  --json FILE|-               the numbers as JSON\n"
     "  --dump DIR                  geometry, matrices, maps and masks of each backend\n"
+    "  --cache DIR                 measure: where truths are kept; $XDG_CACHE_HOME/csm or ~/.cache/csm\n"
+    "  --camera-path FILE          measure: a JSON list of cameras, each as --camera takes them (text, or an object\n"
+    "                              like frame.json's), drawn one after the other\n"
+    "  --light-path FILE           measure: likewise, of lights\n"
+    "  --sun-samples N             measure: rays to a soft sun for each pixel, 4 to 4096; 256\n"
     "  --quick                     bench: 5 pairs instead of 31\n"
     "\n"
     "Exit codes: 0 the backends agree, 1 they differ, 2 bad input, 3 no device or backend.\n";
@@ -40,21 +47,30 @@ void options_print_help(FILE *to) {
   fputs(help, to);
 }
 
-static int parse_light(host_options *out, const char *value) {
-  const char *colon = strchr(value, ':');
+static int fail_with_text(const json_source *from, const char *problem, const char *text) {
+  char message[512];
+  snprintf(message, sizeof message, "%s: '%s'", problem, text);
+  return json_source_fail(from, NULL, message);
+}
+
+int light_from_text(scene_light *out, const char *text, const json_source *from) {
+  const char *colon = strchr(text, ':');
   char direction[256];
-  const int length = (int)(colon ? (size_t)(colon - value) : strlen(value));
-  if ((size_t)snprintf(direction, sizeof direction, "%.*s", length, value) >= sizeof direction ||
-      parse_numbers(direction, ',', out->light.direction, 3) != 3)
-    return host_fail(HOST_BAD_INPUT, "--light: not x,y,z[:disc_deg]: '%s'", value);
-  if (vec_length(out->light.direction) == 0.0)
-    return host_fail(HOST_BAD_INPUT, "--light: the direction must not be zero");
-  out->light.disc_deg = 0.0;
-  if (colon &&
-      (!parse_number(colon + 1, &out->light.disc_deg) || out->light.disc_deg < 0.0 || out->light.disc_deg >= 180.0))
-    return host_fail(HOST_BAD_INPUT, "--light: the disc must be 0 to 180 degrees: '%s'", colon + 1);
-  out->has_light = true;
+  const int length = (int)(colon ? (size_t)(colon - text) : strlen(text));
+  if ((size_t)snprintf(direction, sizeof direction, "%.*s", length, text) >= sizeof direction ||
+      parse_numbers(direction, ',', out->direction, 3) != 3)
+    return fail_with_text(from, "not x,y,z[:disc_deg]", text);
+  if (vec_length(out->direction) == 0.0)
+    return json_source_fail(from, NULL, "the direction must not be zero");
+  out->disc_deg = 0.0;
+  if (colon && (!parse_number(colon + 1, &out->disc_deg) || out->disc_deg < 0.0 || out->disc_deg >= 180.0))
+    return fail_with_text(from, "the disc must be 0 to 180 degrees", colon + 1);
   return 0;
+}
+
+static int parse_light(host_options *out, const char *value) {
+  out->has_light = true;
+  return light_from_text(&out->light, value, &(json_source){.name = "--light"});
 }
 
 static int parse_shadow_distance(host_options *out, const char *value) {
@@ -85,6 +101,14 @@ static int parse_preset(host_options *out, const char *value) {
   return host_fail(HOST_BAD_INPUT, "--preset: no preset is called '%s'; there are none in this version", value);
 }
 
+static int parse_sun_samples(host_options *out, const char *value) {
+  double count;
+  if (!parse_number(value, &count) || !(count >= 4.0 && count <= TRUTH_MAX_SUN_SAMPLES) || count != floor(count))
+    return host_fail(HOST_BAD_INPUT, "--sun-samples: not 4 to %d rays: '%s'", TRUTH_MAX_SUN_SAMPLES, value);
+  out->sun_samples = (uint32_t)count;
+  return 0;
+}
+
 /* An option that keeps its text, or one with a function that understands it. */
 typedef struct option {
   const char *name;
@@ -93,12 +117,22 @@ typedef struct option {
 } option;
 
 static int parse_option(host_options *out, const char *name, const char *value) {
-  const option known[] = {{"--scene", NULL, &out->scene},       {"--camera", NULL, &out->camera_text},
-                          {"--light", parse_light, NULL},       {"--shadow-distance", parse_shadow_distance, NULL},
-                          {"--size", parse_picture_size, NULL}, {"--config", NULL, &out->config_file},
-                          {"--preset", parse_preset, NULL},     {"--backend", parse_backend, NULL},
-                          {"--device", NULL, &out->device},     {"--out", NULL, &out->out},
-                          {"--json", NULL, &out->json},         {"--dump", NULL, &out->dump}};
+  const option known[] = {{"--scene", NULL, &out->scene},
+                          {"--camera", NULL, &out->camera_text},
+                          {"--light", parse_light, NULL},
+                          {"--shadow-distance", parse_shadow_distance, NULL},
+                          {"--size", parse_picture_size, NULL},
+                          {"--config", NULL, &out->config_file},
+                          {"--preset", parse_preset, NULL},
+                          {"--backend", parse_backend, NULL},
+                          {"--device", NULL, &out->device},
+                          {"--out", NULL, &out->out},
+                          {"--json", NULL, &out->json},
+                          {"--dump", NULL, &out->dump},
+                          {"--cache", NULL, &out->cache},
+                          {"--camera-path", NULL, &out->camera_path},
+                          {"--light-path", NULL, &out->light_path},
+                          {"--sun-samples", parse_sun_samples, NULL}};
   for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
     if (strcmp(name, known[i].name) != 0)
       continue;
@@ -113,19 +147,21 @@ static int parse_option(host_options *out, const char *name, const char *value) 
 }
 
 static int parse_command(host_options *out, const char *name) {
-  static const char *const names[] = {[COMMAND_CONFIG] = "config", [COMMAND_RUN] = "run", [COMMAND_BENCH] = "bench"};
+  static const char *const names[] = {
+      [COMMAND_CONFIG] = "config", [COMMAND_RUN] = "run", [COMMAND_MEASURE] = "measure", [COMMAND_BENCH] = "bench"};
   for (int i = COMMAND_CONFIG; i <= COMMAND_BENCH; i++)
     if (strcmp(name, names[i]) == 0) {
       out->command = (host_command)i;
       return 0;
     }
-  if (strcmp(name, "measure") == 0 || strcmp(name, "report") == 0)
+  if (strcmp(name, "report") == 0)
     return host_fail(HOST_BAD_INPUT, "'%s' is not in this version", name);
-  return host_fail(HOST_BAD_INPUT, "unknown command '%s' (run, bench, config, --help)", name);
+  return host_fail(HOST_BAD_INPUT, "unknown command '%s' (run, measure, bench, config, --help)", name);
 }
 
 int options_parse(host_options *out, int count, char **arguments) {
-  *out = (host_options){.scene = "valley", .width = 1280, .height = 720, .backends = {true, true}, .out = "out"};
+  *out = (host_options){
+      .scene = "valley", .width = 1280, .height = 720, .backends = {true, true}, .out = "out", .sun_samples = 256};
   for (int i = 1; i < count; i++)
     if (strcmp(arguments[i], "--help") == 0 || strcmp(arguments[i], "-h") == 0)
       return 0;
@@ -148,12 +184,12 @@ int options_parse(host_options *out, int count, char **arguments) {
 /* ---- setting up ---- */
 
 /* px,py,pz:tx,ty,tz:vfov_deg[:near:far]; what is not given is the scene's. */
-static int pose_from_text(camera_pose *pose, const char *text) {
+static int pose_from_text(camera_pose *pose, const char *text, const json_source *from) {
   char parts[1024];
   char *part[6];
   uint32_t count = 0;
   if ((size_t)snprintf(parts, sizeof parts, "%s", text) >= sizeof parts)
-    return host_fail(HOST_BAD_INPUT, "--camera: too long");
+    return json_source_fail(from, NULL, "too long");
   part[count++] = parts;
   for (char *at = parts; *at && count < 6; at++)
     if (*at == ':') {
@@ -163,8 +199,20 @@ static int pose_from_text(camera_pose *pose, const char *text) {
   if ((count != 3 && count != 5) || parse_numbers(part[0], ',', pose->position, 3) != 3 ||
       parse_numbers(part[1], ',', pose->target, 3) != 3 || !parse_number(part[2], &pose->vertical_fov_deg) ||
       (count == 5 && (!parse_number(part[3], &pose->near_depth) || !parse_number(part[4], &pose->far_depth))))
-    return host_fail(HOST_BAD_INPUT, "--camera: neither px,py,pz:tx,ty,tz:vfov_deg[:near:far] nor a .json file: '%s'",
-                     text);
+    return fail_with_text(from, "neither px,py,pz:tx,ty,tz:vfov_deg[:near:far] nor a .json file", text);
+  return 0;
+}
+
+int camera_from_text(camera *out, const camera_pose *standard, const char *text, double aspect,
+                     const json_source *from) {
+  camera_pose pose = *standard;
+  const int code = text ? pose_from_text(&pose, text, from) : 0;
+  if (code)
+    return code;
+  const char *problem = camera_pose_check(&pose);
+  if (problem)
+    return json_source_fail(from, NULL, problem);
+  camera_from_pose(out, &pose, aspect);
   return 0;
 }
 
@@ -178,17 +226,8 @@ static int setup_camera(host_setup *out, const host_options *options) {
     }
     return code;
   }
-  camera_pose pose = out->scene.camera;
-  if (options->camera_text) {
-    const int code = pose_from_text(&pose, options->camera_text);
-    if (code)
-      return code;
-  }
-  const char *problem = camera_pose_check(&pose);
-  if (problem)
-    return host_fail(HOST_BAD_INPUT, "--camera: %s", problem);
-  camera_from_pose(&out->camera, &pose, (double)out->width / out->height);
-  return 0;
+  return camera_from_text(&out->camera, &out->scene.camera, options->camera_text, (double)out->width / out->height,
+                          &(json_source){.name = "--camera"});
 }
 
 int setup_load(host_setup *out, const host_options *options) {

@@ -4,10 +4,11 @@
 
 #include "camera.h"
 #include "csm/csm.h"
+#include "json_source.h"
 #include "scene.h"
 #include <stdio.h>
 
-typedef enum host_command { COMMAND_HELP, COMMAND_CONFIG, COMMAND_RUN, COMMAND_BENCH } host_command;
+typedef enum host_command { COMMAND_HELP, COMMAND_CONFIG, COMMAND_RUN, COMMAND_MEASURE, COMMAND_BENCH } host_command;
 
 #define HOST_BACKENDS 2
 
@@ -19,13 +20,16 @@ typedef struct host_options {
   scene_light light;
   double shadow_distance;
   uint32_t width, height;
-  const char *config_file;      /* NULL: the default configuration */
-  bool backends[HOST_BACKENDS]; /* which of host_backend_names */
-  const char *device;           /* part of a device's name, or NULL */
-  const char *out;              /* folder for pictures */
-  const char *json;             /* file, "-" for stdout, or NULL */
-  const char *dump;             /* folder, or NULL */
-  bool quick;                   /* bench: fewer pairs */
+  const char *config_file;              /* NULL: the default configuration */
+  bool backends[HOST_BACKENDS];         /* which of host_backend_names */
+  const char *device;                   /* part of a device's name, or NULL */
+  const char *out;                      /* folder for pictures */
+  const char *json;                     /* file, "-" for stdout, or NULL */
+  const char *dump;                     /* folder, or NULL */
+  const char *cache;                    /* folder for truths, or NULL: the user's own */
+  const char *camera_path, *light_path; /* files, or NULL */
+  uint32_t sun_samples;                 /* rays to a soft sun, for each pixel */
+  bool quick;                           /* bench: fewer pairs */
 } host_options;
 
 extern const char *const host_backend_names[HOST_BACKENDS];
@@ -33,6 +37,13 @@ extern const char *const host_backend_names[HOST_BACKENDS];
 /* 0, or HOST_BAD_INPUT after a message that names the option. */
 int options_parse(host_options *out, int count, char **arguments);
 void options_print_help(FILE *to);
+
+/* A light as --light takes it. 0, or HOST_BAD_INPUT after a message. */
+int light_from_text(scene_light *out, const char *text, const json_source *from);
+/* A camera as --camera takes it, if not from a file; what the text leaves out, or all if it is NULL, is `standard`'s.
+ * 0, or HOST_BAD_INPUT after a message. */
+int camera_from_text(camera *out, const camera_pose *standard, const char *text, double aspect,
+                     const json_source *from);
 
 /* What one frame is made of: the scene with the options applied. */
 typedef struct host_setup {

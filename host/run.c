@@ -259,7 +259,7 @@ static int dump_all(const run *r) {
   int code = 0;
   host_progress("writing the dump");
   for (uint32_t i = 0; code == 0 && i < r->count; i++)
-    code = dump_frame(r->options->dump, &r->stages[i], &r->frames[i]);
+    code = dump_frame(r->options->dump, &r->stages[i], &r->frames[i], NULL);
   host_progress("");
   return code;
 }

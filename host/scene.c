@@ -130,8 +130,11 @@ void scene_free(scene *s) {
     free(s->meshes[m].positions);
     free(s->meshes[m].normals);
     free(s->meshes[m].colors);
+    free(s->meshes[m].uvs);
     free(s->meshes[m].indices);
   }
+  for (size_t m = 0; m < s->material_count; m++)
+    free(s->materials[m].opacity.alpha);
   free(s->materials);
   free(s->meshes);
   free(s->instances);

@@ -7,10 +7,22 @@
 #include <stddef.h>
 #include <stdint.h>
 
+typedef enum scene_wrap { SCENE_WRAP_REPEAT, SCENE_WRAP_MIRROR, SCENE_WRAP_CLAMP } scene_wrap;
+
+/* What cuts a surface out: it is there where scene_opacity_at is at least `cutoff`. */
+typedef struct scene_opacity {
+  uint8_t *alpha; /* width * height, the row of v = 0 first; NULL: opaque everywhere */
+  uint32_t width, height;
+  scene_wrap wrap[2]; /* of u and v */
+  double factor;      /* the texture's alpha is multiplied by it */
+  double cutoff;
+} scene_opacity;
+
 typedef struct scene_material {
   char name[64];
-  float color[3];    /* linear, reflected share of light */
-  bool alpha_tested; /* the file wants it cut out by its texture; it is drawn opaque in this version */
+  float color[3];        /* linear, reflected share of light */
+  bool alpha_tested;     /* the file wants it cut out by its texture; it is drawn opaque in this version */
+  scene_opacity opacity; /* where it is alpha-tested */
   bool two_sided;
 } scene_material;
 
@@ -23,6 +35,7 @@ typedef struct scene_mesh {
   float *positions;    /* three a vertex, object space */
   float *normals;      /* three a vertex; NULL: flat */
   float *colors;       /* three a vertex, times the material's; NULL: 1 */
+  float *uvs;          /* two a vertex, v = 0 at the texture's first row; NULL: none */
   void *indices;
 } scene_mesh;
 
@@ -60,6 +73,9 @@ uint32_t scene_add_material(scene *s, const scene_material *material);
 /* Takes over the mesh's arrays. */
 uint32_t scene_add_mesh(scene *s, const scene_mesh *mesh);
 void scene_add_instance(scene *s, uint32_t mesh, const double transform[16]);
+
+/* Opacity from 0 to 1, bilinear between texels, at a texture coordinate. Precondition: there is a texture. */
+double scene_opacity_at(const scene_opacity *opacity, const double uv[2]);
 
 uint32_t scene_index(const scene_mesh *mesh, uint32_t corner);
 /* Triangles drawn: those of every instance. */

@@ -50,21 +50,63 @@ static const struct aiTexture *embedded_texture(const struct aiScene *file, cons
   return index < file->mNumTextures ? file->mTextures[index] : NULL;
 }
 
-/* The mean colour of a texture that is embedded (PNG or raw), or beside the file. White where it cannot be read. */
-static void texture_mean(const loader *l, const char *name, float mean[3]) {
+/* A texture's file: embedded (*owned is NULL), or read from beside the scene. NULL: it cannot be read. */
+static const void *texture_file(const loader *l, const char *name, size_t *size, uint8_t **owned) {
   const struct aiTexture *texture = embedded_texture(l->file, name);
-  uint8_t *data = NULL;
-  size_t size = 0;
   char path[4096];
   const char *slash = strrchr(l->path, '/');
   const int folder = slash ? (int)(slash - l->path + 1) : 0;
-  mean[0] = mean[1] = mean[2] = 1.0f;
-  if (texture && texture->mHeight == 0)
-    image_mean_of_png(texture->pcData, texture->mWidth, mean);
-  else if (!texture && (size_t)snprintf(path, sizeof path, "%.*s%s", folder, l->path, name) < sizeof path &&
-           read_file(path, &data, &size))
-    image_mean_of_png(data, size, mean);
-  free(data);
+  *owned = NULL;
+  *size = texture ? texture->mWidth : 0;
+  if (texture)
+    return texture->mHeight == 0 ? texture->pcData : NULL;
+  if ((size_t)snprintf(path, sizeof path, "%.*s%s", folder, l->path, name) < sizeof path)
+    read_file(path, owned, size);
+  return *owned;
+}
+
+static scene_wrap wrap_mode(enum aiTextureMapMode mode) {
+  if (mode == aiTextureMapMode_Mirror)
+    return SCENE_WRAP_MIRROR;
+  return mode == aiTextureMapMode_Clamp ? SCENE_WRAP_CLAMP : SCENE_WRAP_REPEAT;
+}
+
+static double alpha_factor(const struct aiMaterial *from) {
+  struct aiColor4D factor;
+  return aiGetMaterialColor(from, AI_MATKEY_BASE_COLOR, &factor) == aiReturn_SUCCESS ? factor.a : 1.0;
+}
+
+/* glTF's cutoff is 0.5 where the file has none; what it would blend is cut there too. */
+static double alpha_cutoff(const struct aiMaterial *from) {
+  ai_real cutoff = 0.5f;
+  unsigned count = 1;
+  if (aiGetMaterialFloatArray(from, AI_MATKEY_GLTF_ALPHACUTOFF, &cutoff, &count) != aiReturn_SUCCESS)
+    return 0.5;
+  return cutoff;
+}
+
+/* The base colour's texture: its mean colour tints the material, its alpha cuts out what is alpha-tested. */
+static void read_texture(const loader *l, scene_material *material, const struct aiMaterial *from) {
+  struct aiString name;
+  enum aiTextureMapMode modes[2] = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap};
+  if (aiGetMaterialTexture(from, aiTextureType_DIFFUSE, 0, &name, NULL, NULL, NULL, NULL, modes, NULL) !=
+      aiReturn_SUCCESS)
+    return;
+  size_t size;
+  uint8_t *owned;
+  float mean[3];
+  const void *data = texture_file(l, name.data, &size, &owned);
+  if (data && image_mean_of_png(data, size, mean) == 0)
+    for (int i = 0; i < 3; i++)
+      material->color[i] *= mean[i];
+  scene_opacity *opacity = &material->opacity;
+  if (data && material->alpha_tested)
+    opacity->alpha = image_alpha_of_png(data, size, &opacity->width, &opacity->height);
+  opacity->wrap[0] = wrap_mode(modes[0]);
+  opacity->wrap[1] = wrap_mode(modes[1]);
+  opacity->factor = alpha_factor(from);
+  opacity->cutoff = alpha_cutoff(from);
+  free(owned);
 }
 
 static void add_material(const loader *l, const struct aiMaterial *from) {
@@ -79,17 +121,11 @@ static void add_material(const loader *l, const struct aiMaterial *from) {
     material.color[1] = factor.g;
     material.color[2] = factor.b;
   }
-  if (aiGetMaterialTexture(from, aiTextureType_DIFFUSE, 0, &text, NULL, NULL, NULL, NULL, NULL, NULL) ==
-      aiReturn_SUCCESS) {
-    float mean[3];
-    texture_mean(l, text.data, mean);
-    for (int i = 0; i < 3; i++)
-      material.color[i] *= mean[i];
-  }
   if (aiGetMaterialIntegerArray(from, AI_MATKEY_TWOSIDED, &two_sided, NULL) == aiReturn_SUCCESS)
     material.two_sided = two_sided != 0;
   if (aiGetMaterialString(from, AI_MATKEY_GLTF_ALPHAMODE, &text) == aiReturn_SUCCESS)
     material.alpha_tested = strcmp(text.data, "OPAQUE") != 0;
+  read_texture(l, &material, from);
   scene_add_material(l->scene, &material);
 }
 
@@ -121,6 +157,16 @@ static float *copy_vectors(const struct aiVector3D *from, uint32_t count) {
   return to;
 }
 
+/* Assimp counts v from the bottom row. */
+static float *copy_uvs(const struct aiVector3D *from, uint32_t count) {
+  float *to = host_allocate((size_t)count * 2, sizeof *to);
+  for (uint32_t v = 0; v < count; v++) {
+    to[2 * (size_t)v] = from[v].x;
+    to[2 * (size_t)v + 1] = 1.0f - from[v].y;
+  }
+  return to;
+}
+
 static int check_mesh(const loader *l, const struct aiMesh *mesh) {
   for (uint32_t v = 0; v < mesh->mNumVertices; v++)
     if (!isfinite(mesh->mVertices[v].x) || !isfinite(mesh->mVertices[v].y) || !isfinite(mesh->mVertices[v].z))
@@ -145,6 +191,8 @@ static int add_mesh(loader *l, uint32_t index) {
   mesh.positions = copy_vectors(from->mVertices, from->mNumVertices);
   if (from->mNormals)
     mesh.normals = copy_vectors(from->mNormals, from->mNumVertices);
+  if (from->mTextureCoords[0])
+    mesh.uvs = copy_uvs(from->mTextureCoords[0], from->mNumVertices);
   copy_triangles(&mesh, from);
   l->meshes[index] = scene_add_mesh(l->scene, &mesh);
   return 0;

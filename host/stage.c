@@ -5,6 +5,8 @@
 
 #define TIMED_FRAMES 3
 
+const bool stage_alpha_test = false;
+
 static void CSM_CALL log_message(void *user, int32_t level, const char *message) {
   const stage *s = user;
   if (level == CSM_LOG_ERROR || level == CSM_LOG_WARNING)
@@ -163,11 +165,15 @@ static void median_times(csm_stats *out, const csm_stats timed[TIMED_FRAMES]) {
     out->cascades[k].gpu_ms = middle_of_three(a->cascades[k].gpu_ms, b->cascades[k].gpu_ms, c->cascades[k].gpu_ms);
 }
 
+static int read_into(stage *s, uint32_t source, uint32_t cascade, size_t count, float *out) {
+  const csm_read_info info = {
+      .struct_size = sizeof info, .source = source, .cascade = cascade, .data = out, .size = count * sizeof *out};
+  return exit_code(csm_read(s->cascades, &info));
+}
+
 static int read_back(stage *s, uint32_t source, uint32_t cascade, size_t count, float **out) {
   *out = host_allocate(count, sizeof **out);
-  const csm_read_info info = {
-      .struct_size = sizeof info, .source = source, .cascade = cascade, .data = *out, .size = count * sizeof **out};
-  return exit_code(csm_read(s->cascades, &info));
+  return read_into(s, source, cascade, count, *out);
 }
 
 int stage_capture(stage *s, stage_frame *out) {
@@ -189,6 +195,33 @@ int stage_capture(stage *s, stage_frame *out) {
     code = read_back(s, CSM_READ_MASK, 0, pixels, &out->mask);
   if (code == 0)
     code = read_back(s, CSM_READ_CAMERA_DEPTH, 0, pixels, &out->camera_depth);
+  return code;
+}
+
+static void look_from(stage *s, const camera *from) {
+  s->frame.flags = 0;
+  memcpy(s->frame.view, from->view, sizeof s->frame.view);
+  memcpy(s->frame.projection, from->projection, sizeof s->frame.projection);
+}
+
+int stage_draw(stage *s, const camera *from, const scene_light *light, csm_binding *binding) {
+  look_from(s, from);
+  memcpy(s->frame.light_direction, light->direction, sizeof s->frame.light_direction);
+  const int code = exit_code(csm_render_cascades(s->cascades, &s->frame));
+  *binding = (csm_binding){.struct_size = sizeof *binding};
+  return code ? code : exit_code(csm_bind(s->cascades, binding));
+}
+
+int stage_mask(stage *s, const camera *from, float *mask, float *camera_depth) {
+  look_from(s, from);
+  const csm_mask_info info = {
+      .struct_size = sizeof info, .frame = &s->frame, .width = s->setup->width, .height = s->setup->height};
+  const size_t pixels = (size_t)s->setup->width * s->setup->height;
+  int code = exit_code(csm_resolve_mask(s->cascades, &info));
+  if (code == 0)
+    code = read_into(s, CSM_READ_MASK, 0, pixels, mask);
+  if (code == 0 && camera_depth)
+    code = read_into(s, CSM_READ_CAMERA_DEPTH, 0, pixels, camera_depth);
   return code;
 }
 

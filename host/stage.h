@@ -16,6 +16,9 @@ typedef struct stage {
   csm_frame frame;
 } stage;
 
+/* Whether materials that are alpha-tested are drawn so. */
+extern const bool stage_alpha_test;
+
 /* What one frame left behind, in host memory. */
 typedef struct stage_frame {
   csm_binding binding;
@@ -33,6 +36,14 @@ int stage_load(stage *s, const host_setup *setup);
 
 /* Draws the cascades once and waits. 0, or a code after a message. */
 int stage_render(stage *s);
+
+/* Draws the cascades for a camera and a light, and tells what they are. 0, or a code after a message. */
+int stage_draw(stage *s, const camera *from, const scene_light *light, csm_binding *binding);
+/*
+ * Resolves the mask of what a camera sees, from the maps that were drawn last, which may have been drawn for another
+ * camera, and reads it back. camera_depth may be NULL. Both hold width * height pixels. 0, or a code after a message.
+ */
+int stage_mask(stage *s, const camera *from, float *mask, float *camera_depth);
 
 /*
  * Draws the cascades and the mask with timestamps, after a frame that warms up; GPU times are the medians of three.

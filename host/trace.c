@@ -1,15 +1,11 @@
 #include "trace.h"
 #include "host.h"
 #include "linear.h"
+#include "parallel.h"
 #include <embree3/rtcore.h>
 #include <math.h>
-#include <pthread.h>
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
-
-#define MAX_THREADS 64
 
 typedef struct tracer {
   const scene *scene;
@@ -17,11 +13,8 @@ typedef struct tracer {
   RTCDevice device;
   RTCScene *meshes; /* one for each mesh */
   RTCScene world;   /* instance i is geometry i; relative to the camera's position */
-  double unproject[16];
-  double unview[16];
-  uint32_t width, height;
+  camera_rays rays;
   trace_surface *out;
-  atomic_uint next_row;
 } tracer;
 
 static RTCScene commit_mesh(RTCDevice device, const scene_mesh *mesh) {
@@ -82,38 +75,6 @@ static void destroy(tracer *t) {
     rtcReleaseDevice(t->device);
 }
 
-/* View position of clip (x, y, depth). False where it is at infinity. */
-static bool view_position(double out[3], const tracer *t, double x, double y, double depth) {
-  double point[4];
-  mat_transform(point, t->unproject, (const double[3]){x, y, depth}, 1.0);
-  for (int i = 0; i < 3; i++)
-    out[i] = point[i] / point[3];
-  return all_finite(out, 3) && vec_length(out) < 1e15;
-}
-
-/*
- * The ray through a pixel's centre, in the world relative to the camera's position: from the near plane to the far
- * one. Its direction is taken towards the middle of the depth range, which is finite for every projection.
- */
-static void pixel_ray(const tracer *t, uint32_t column, uint32_t row, double origin[3], double direction[3],
-                      double *reach) {
-  const double x = 2.0 * (column + 0.5) / t->width - 1.0, y = 1.0 - 2.0 * (row + 0.5) / t->height;
-  double from[3], middle[3], end[3], turned[4];
-  view_position(from, t, x, y, t->camera->reversed ? 1.0 : 0.0);
-  view_position(middle, t, x, y, 0.5);
-  vec_subtract(middle, middle, from);
-  vec_normalize(middle);
-  *reach = INFINITY;
-  if (view_position(end, t, x, y, t->camera->reversed ? 0.0 : 1.0) && isfinite(t->camera->far_depth)) {
-    vec_subtract(end, end, from);
-    *reach = vec_length(end);
-  }
-  mat_transform(turned, t->unview, from, 0.0);
-  memcpy(origin, turned, 3 * sizeof(double));
-  mat_transform(turned, t->unview, middle, 0.0);
-  memcpy(direction, turned, 3 * sizeof(double));
-}
-
 static void interpolate(float out[3], const float *values, const uint32_t corner[3], float u, float v) {
   for (int i = 0; i < 3; i++)
     out[i] = (1.0f - u - v) * values[3 * (size_t)corner[0] + i] + u * values[3 * (size_t)corner[1] + i] +
@@ -171,7 +132,7 @@ static void fill_surface(const tracer *t, const struct RTCRayHit *found, trace_s
 
 static void trace_pixel(const tracer *t, struct RTCIntersectContext *context, uint32_t column, uint32_t row) {
   double origin[3], direction[3], reach;
-  pixel_ray(t, column, row, origin, direction, &reach);
+  camera_ray(&t->rays, camera_pixel_x(&t->rays, column), camera_pixel_y(&t->rays, row), origin, direction, &reach);
   struct RTCRayHit found = {.ray = {.org_x = (float)origin[0],
                                     .org_y = (float)origin[1],
                                     .org_z = (float)origin[2],
@@ -182,7 +143,7 @@ static void trace_pixel(const tracer *t, struct RTCIntersectContext *context, ui
                                     .mask = 0xffffffffu},
                             .hit = {.geomID = RTC_INVALID_GEOMETRY_ID, .instID = {RTC_INVALID_GEOMETRY_ID}}};
   rtcIntersect1(t->world, context, &found);
-  trace_surface *surface = &t->out[(size_t)row * t->width + column];
+  trace_surface *surface = &t->out[(size_t)row * t->rays.width + column];
   *surface = (trace_surface){.view_depth = -1.0};
   for (int i = 0; i < 3; i++)
     surface->ray[i] = (float)direction[i];
@@ -198,37 +159,23 @@ static void trace_pixel(const tracer *t, struct RTCIntersectContext *context, ui
   fill_surface(t, &found, surface);
 }
 
-static void *trace_rows(void *argument) {
-  tracer *t = argument;
+static void trace_row(void *argument, uint32_t row) {
+  const tracer *t = argument;
   struct RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  for (uint32_t row = atomic_fetch_add(&t->next_row, 1); row < t->height; row = atomic_fetch_add(&t->next_row, 1))
-    for (uint32_t column = 0; column < t->width; column++)
-      trace_pixel(t, &context, column, row);
-  return NULL;
-}
-
-/* The calling thread works too, so a machine that gives no more threads still finishes. */
-static void trace_all(tracer *t) {
-  pthread_t threads[MAX_THREADS];
-  const long cores = sysconf(_SC_NPROCESSORS_ONLN);
-  long started = 0;
-  while (started < cores - 1 && started < MAX_THREADS && pthread_create(&threads[started], NULL, trace_rows, t) == 0)
-    started++;
-  trace_rows(t);
-  for (long i = 0; i < started; i++)
-    pthread_join(threads[i], NULL);
+  for (uint32_t column = 0; column < t->rays.width; column++)
+    trace_pixel(t, &context, column, row);
 }
 
 int trace_camera(const scene *s, const camera *from, uint32_t width, uint32_t height, trace_surface *out) {
-  tracer t = {.scene = s, .camera = from, .width = width, .height = height, .out = out};
+  tracer t = {.scene = s, .camera = from, .out = out};
   int code = 0;
-  if (!mat_invert(t.unproject, from->projection) || !mat_invert(t.unview, from->view))
+  if (!camera_rays_make(&t.rays, from, width, height))
     code = host_fail(HOST_BAD_INPUT, "the camera's matrices are singular");
   else if (!build(&t))
     code = host_fail(HOST_BAD_INPUT, "Embree could not take the scene");
   else
-    trace_all(&t);
+    parallel_rows(height, trace_row, &t, NULL);
   destroy(&t);
   return code;
 }
