@@ -39,15 +39,25 @@ float3 pixel_position(float2 pixel, float depth)
     return float3(row_value(0, ndc, depth) / w, row_value(1, ndc, depth) / w, row_value(2, ndc, depth) / w);
 }
 
-// How the position changes across one pixel along an axis, taken on the side where the depth goes on straight: depth in
-// clip space is linear across a plane on screen, so the side whose outer neighbour extrapolates best is the same plane.
+bool inside(int2 pixel)
+{
+    return pixel.x >= 0 && pixel.y >= 0 && (float)pixel.x < mask_c[CSM_M_SIZE].x && (float)pixel.y < mask_c[CSM_M_SIZE].y;
+}
+
+// How far the depth at a pixel is from where the two pixels beside it say that it is. Depth in clip space is linear across
+// a plane on screen, so this is 0 where the three lie on one plane. Pixels beyond the border say nothing.
+float bend(int2 pixel, int2 axis, float beside, float depth)
+{
+    float error = abs(mad(2.0, beside, -load_depth(pixel + axis + axis)) - depth);
+    return inside(pixel + axis + axis) ? error : inside(pixel + axis) ? 1e20 : 1e30;
+}
+
+// How the position changes across one pixel along an axis, taken on the side that goes on straight.
 float3 tangent(int2 pixel, int2 axis, float3 position, float depth)
 {
     float before = load_depth(pixel - axis);
     float after = load_depth(pixel + axis);
-    float before_error = abs(mad(2.0, before, -load_depth(pixel - axis - axis)) - depth);
-    float after_error = abs(mad(2.0, after, -load_depth(pixel + axis + axis)) - depth);
-    if (before_error < after_error)
+    if (bend(pixel, -axis, before, depth) < bend(pixel, axis, after, depth))
         return position - pixel_position(float2(pixel - axis), before);
     return pixel_position(float2(pixel + axis), after) - position;
 }
