@@ -15,6 +15,7 @@ static const char help[] =
     "\n"
     "  csm-host run    [options]   draw one frame on each backend, compare, write pictures\n"
     "  csm-host bench  [options]   time the depth pass of each backend against a bare loop, in turn\n"
+    "  csm-host view   [options]   fly through the scene in a window; H there tells the keys\n"
     "  csm-host config             every key of a configuration with its unit, range and default, as JSON\n"
     "  csm-host --help\n"
     "\n"
@@ -33,6 +34,7 @@ static const char help[] =
     "  --json FILE|-               the numbers as JSON\n"
     "  --dump DIR                  geometry, matrices, maps and masks of each backend\n"
     "  --quick                     bench: 5 pairs instead of 31\n"
+    "  --frames N --keys TEXT      view: N frames, a key of TEXT pressed in each ('.' is none); saves view.png\n"
     "\n"
     "Exit codes: 0 the backends agree, 1 they differ, 2 bad input, 3 no device or backend.\n";
 
@@ -80,6 +82,14 @@ static int parse_backend(host_options *out, const char *value) {
   return known ? 0 : host_fail(HOST_BAD_INPUT, "--backend: not vulkan, d3d12 or both: '%s'", value);
 }
 
+static int parse_frames(host_options *out, const char *value) {
+  double frames;
+  if (!parse_number(value, &frames) || frames != floor(frames) || frames < 1.0 || frames > 1e6)
+    return host_fail(HOST_BAD_INPUT, "--frames: not a whole number from 1 to 1000000: '%s'", value);
+  out->frames = (uint32_t)frames;
+  return 0;
+}
+
 static int parse_preset(host_options *out, const char *value) {
   (void)out;
   return host_fail(HOST_BAD_INPUT, "--preset: no preset is called '%s'; there are none in this version", value);
@@ -98,7 +108,8 @@ static int parse_option(host_options *out, const char *name, const char *value) 
                           {"--size", parse_picture_size, NULL}, {"--config", NULL, &out->config_file},
                           {"--preset", parse_preset, NULL},     {"--backend", parse_backend, NULL},
                           {"--device", NULL, &out->device},     {"--out", NULL, &out->out},
-                          {"--json", NULL, &out->json},         {"--dump", NULL, &out->dump}};
+                          {"--json", NULL, &out->json},         {"--dump", NULL, &out->dump},
+                          {"--frames", parse_frames, NULL},     {"--keys", NULL, &out->keys}};
   for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
     if (strcmp(name, known[i].name) != 0)
       continue;
@@ -113,19 +124,21 @@ static int parse_option(host_options *out, const char *name, const char *value) 
 }
 
 static int parse_command(host_options *out, const char *name) {
-  static const char *const names[] = {[COMMAND_CONFIG] = "config", [COMMAND_RUN] = "run", [COMMAND_BENCH] = "bench"};
-  for (int i = COMMAND_CONFIG; i <= COMMAND_BENCH; i++)
+  static const char *const names[] = {
+      [COMMAND_CONFIG] = "config", [COMMAND_RUN] = "run", [COMMAND_BENCH] = "bench", [COMMAND_VIEW] = "view"};
+  for (int i = COMMAND_CONFIG; i <= COMMAND_VIEW; i++)
     if (strcmp(name, names[i]) == 0) {
       out->command = (host_command)i;
       return 0;
     }
   if (strcmp(name, "measure") == 0 || strcmp(name, "report") == 0)
     return host_fail(HOST_BAD_INPUT, "'%s' is not in this version", name);
-  return host_fail(HOST_BAD_INPUT, "unknown command '%s' (run, bench, config, --help)", name);
+  return host_fail(HOST_BAD_INPUT, "unknown command '%s' (run, bench, view, config, --help)", name);
 }
 
 int options_parse(host_options *out, int count, char **arguments) {
-  *out = (host_options){.scene = "valley", .width = 1280, .height = 720, .backends = {true, true}, .out = "out"};
+  *out = (host_options){
+      .scene = "valley", .width = 1280, .height = 720, .backends = {true, true}, .out = "out", .keys = ""};
   for (int i = 1; i < count; i++)
     if (strcmp(arguments[i], "--help") == 0 || strcmp(arguments[i], "-h") == 0)
       return 0;

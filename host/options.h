@@ -7,7 +7,7 @@
 #include "scene.h"
 #include <stdio.h>
 
-typedef enum host_command { COMMAND_HELP, COMMAND_CONFIG, COMMAND_RUN, COMMAND_BENCH } host_command;
+typedef enum host_command { COMMAND_HELP, COMMAND_CONFIG, COMMAND_RUN, COMMAND_BENCH, COMMAND_VIEW } host_command;
 
 #define HOST_BACKENDS 2
 
@@ -26,6 +26,8 @@ typedef struct host_options {
   const char *json;             /* file, "-" for stdout, or NULL */
   const char *dump;             /* folder, or NULL */
   bool quick;                   /* bench: fewer pairs */
+  uint32_t frames;              /* view: how many before it ends by itself; 0: until it is closed */
+  const char *keys;             /* view: pressed by themselves, one a frame; "" for none */
 } host_options;
 
 extern const char *const host_backend_names[HOST_BACKENDS];

@@ -31,8 +31,22 @@ void stage_close(stage *s);
 /* Uploads the scene and makes the cascades. `setup` must live as long as the stage. 0, or a code after a message. */
 int stage_load(stage *s, const host_setup *setup);
 
+/* Moves to another backend; *ms gets what that took. 0, or a code after a message: the old
+ * one draws on then. */
+int stage_switch(stage *s, const char *backend, const char *device, double *ms);
+
+/* Changes the settings. 0, or a code after a message: the old ones hold then. */
+int stage_configure(stage *s, const csm_config *config);
+
 /* Draws the cascades once and waits. 0, or a code after a message. */
 int stage_render(stage *s);
+
+/* Draws the cascades and the mask with timestamps, and waits. 0, or a code after a message. */
+int stage_draw(stage *s, csm_stats *stats);
+
+/* Reads back what was drawn, all but its stats; the maps only if they are wanted. 0, or a code after a message;
+ * stage_frame_free is always allowed. */
+int stage_read(stage *s, bool maps, stage_frame *out);
 
 /*
  * Draws the cascades and the mask with timestamps, after a frame that warms up; GPU times are the medians of three.
