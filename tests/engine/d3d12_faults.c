@@ -52,8 +52,8 @@ static void stage_open(stage *stage) {
   d3d12_engine_open(&stage->engine);
   hill_make(&stage->hill);
   stage->vertices = d3d12_engine_buffer(&stage->engine, D3D12_HEAP_TYPE_UPLOAD, HILL_VERTICES * STRIDE, NULL);
-  stage->indices = d3d12_engine_buffer(&stage->engine, D3D12_HEAP_TYPE_UPLOAD, sizeof stage->hill.indices,
-                                       stage->hill.indices);
+  stage->indices =
+      d3d12_engine_buffer(&stage->engine, D3D12_HEAP_TYPE_UPLOAD, sizeof stage->hill.indices, stage->hill.indices);
   char *memory = d3d12_engine_map(stage->vertices);
   for (uint32_t i = 0; i < HILL_VERTICES; ++i)
     memcpy(memory + (size_t)i * STRIDE, stage->hill.positions[i], sizeof stage->hill.positions[i]);
@@ -119,8 +119,7 @@ static csm_result render(run *run) {
   run->frame = run->scene.frame;
   run->frame.instances = run->scene.instances;
   run->frame.frame = run->stage->engine.frame;
-  run->frame.command_buffer =
-      run->stage->engine.frames[run->stage->engine.frame % D3D12_ENGINE_FRAMES].lists[0];
+  run->frame.command_buffer = run->stage->engine.frames[run->stage->engine.frame % D3D12_ENGINE_FRAMES].lists[0];
   run->frame.flags = CSM_FRAME_TIMESTAMPS;
   return csm_render_cascades(run->cascades, &run->frame);
 }
@@ -155,8 +154,8 @@ static csm_result configure(run *run) {
 }
 
 typedef csm_result (*step)(run *run);
-static const step steps[] = {create,          create_cascades,   create_copied, create_engines, render,
-                             resolve_images,  resolve_instances, configure,     render,         resolve_images};
+static const step steps[] = {create,         create_cascades,   create_copied, create_engines, render,
+                             resolve_images, resolve_instances, configure,     render,         resolve_images};
 enum { STEPS = sizeof steps / sizeof *steps };
 
 /* ---- a run ---- */
@@ -313,8 +312,10 @@ static void a_lost_device_can_be_left(void **state) {
 
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(out_of_device_memory), cmocka_unit_test(refused),
-      cmocka_unit_test(device_removed),       cmocka_unit_test(out_of_host_memory),
+      cmocka_unit_test(out_of_device_memory),
+      cmocka_unit_test(refused),
+      cmocka_unit_test(device_removed),
+      cmocka_unit_test(out_of_host_memory),
       cmocka_unit_test(a_lost_device_can_be_left),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);

@@ -165,9 +165,9 @@ static void meshes_are_checked(void **state) {
   expect_mesh(&f, WITH(vertex_stride, 0), CSM_ERROR_INVALID_VALUE, "no stride");
   expect_mesh(&f, WITH(vertex_stride, 8), CSM_ERROR_INVALID_VALUE, "a stride below a position");
   expect_mesh(&f, WITH(vertex_stride, 18), CSM_ERROR_INVALID_VALUE, "a stride that is not aligned");
-  expect_mesh(&f, WITH(vertex_stride, 2052), CSM_ERROR_LIMIT_EXCEEDED, "a stride beyond the API's");
+  expect_mesh(&f, WITH(vertex_stride, 2052), CSM_ERROR_INVALID_VALUE, "a stride beyond the API's");
   expect_mesh(&f, WITH(vertex_offset, 2), CSM_ERROR_INVALID_VALUE, "vertices that are not aligned");
-  expect_mesh(&f, WITH(index_offset, 1025), CSM_ERROR_INVALID_VALUE, "indices that are not aligned");
+  expect_mesh(&f, WITH(index_offset, 1026), CSM_ERROR_INVALID_VALUE, "indices that are not aligned");
   expect_mesh(&f, WITH(vertex_offset, 4096), CSM_ERROR_INVALID_VALUE, "vertices beyond the buffer");
   expect_mesh(&f, WITH(index_offset, 4096), CSM_ERROR_INVALID_VALUE, "indices beyond the buffer");
   expect_mesh(&f, WITH(struct_size, 0), CSM_ERROR_STRUCT_SIZE, "no size");
@@ -190,9 +190,12 @@ static void expect_image(fixture *f, const csm_d3d12_image *depth, const csm_d3d
                          const char *what) {
   csm_frame frame = rig_frame(&f->rig, &f->scene, d3d12_engine_begin(&f->rig.engine));
   rig_render(&f->rig, f->cascades, &frame);
-  const csm_mask_info mask = {
-      .struct_size = sizeof mask, .frame = &frame, .width = SIDE, .height = SIDE, .camera_depth = depth,
-      .normals = normals};
+  const csm_mask_info mask = {.struct_size = sizeof mask,
+                              .frame = &frame,
+                              .width = SIDE,
+                              .height = SIDE,
+                              .camera_depth = depth,
+                              .normals = normals};
   expect(f, csm_resolve_mask(f->cascades, &mask), expected, what);
   d3d12_engine_end(&f->rig.engine);
   d3d12_engine_run(&f->rig.engine, f->rig.engine.frame);
@@ -203,11 +206,8 @@ static void images_are_checked(void **state) {
   (void)state;
   fixture f;
   fixture_open(&f);
-  const csm_d3d12_image good = {.struct_size = sizeof good,
-                                .format = DXGI_FORMAT_R32_FLOAT,
-                                .resource = f.image,
-                                .width = SIDE,
-                                .height = SIDE};
+  const csm_d3d12_image good = {
+      .struct_size = sizeof good, .format = DXGI_FORMAT_R32_FLOAT, .resource = f.image, .width = SIDE, .height = SIDE};
   csm_d3d12_image image;
 #define WITH(field, value) (image = good, image.field = (value), &image)
   expect_image(&f, &good, NULL, CSM_SUCCESS, "a good image");
