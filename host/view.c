@@ -250,7 +250,7 @@ static int fly_by_hand(view *v) {
   fputs(help, stdout);
   while (code == 0 && !input.quit) {
     const bool moving = last_ms - v->moved_ms < rest_ms;
-    view_window_poll(v->window, moving ? 0 : 20, &input);
+    view_window_poll(v->window, moving ? 1 : 20, &input);
     const double now_ms = host_now_ms();
     code = step(v, &input, fmin((now_ms - last_ms) * 1e-3, 0.25));
     last_ms = now_ms;
