@@ -15,7 +15,6 @@
 #include "csm/csm_d3d12.h"
 #include "d3d12_shaders.h"
 #include "shadows.h"
-#include <stdio.h>
 #include <string.h>
 
 static const DXGI_FORMAT color_format = DXGI_FORMAT_R8G8B8A8_UNORM_SRGB;

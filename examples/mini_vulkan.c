@@ -15,7 +15,6 @@
 #include "caster.vert.h"
 #include "forward.frag.h"
 #include "forward.vert.h"
-#include <stdio.h>
 #include <string.h>
 
 static const VkFormat color_format = VK_FORMAT_R8G8B8A8_SRGB;

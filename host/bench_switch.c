@@ -5,18 +5,8 @@
 #include <stdlib.h>
 
 static int switch_once(stage *s, const char *backend, const char *device, double *ms) {
-  char error[512] = "";
-  const csm_create_info info = {.struct_size = sizeof info,
-                                .version = CSM_VERSION,
-                                .backend = backend,
-                                .device = device,
-                                .error = error,
-                                .error_size = sizeof error};
-  const double start_ms = host_now_ms();
-  if (csm_switch_backend(s->context, &info))
-    return host_fail(HOST_NO_DEVICE, "switching to %s: %s", backend, error);
-  *ms = host_now_ms() - start_ms;
-  return stage_render(s);
+  const int code = stage_switch(s, backend, device, ms);
+  return code ? code : stage_render(s);
 }
 
 int bench_switch_run(bench_switch *out, const host_setup *setup, const char *device, uint32_t rounds) {

@@ -5,6 +5,7 @@
 #include "options.h"
 #include "output.h"
 #include "run.h"
+#include "view.h"
 
 int main(int count, char **arguments) {
   host_options options;
@@ -23,6 +24,8 @@ int main(int count, char **arguments) {
     return measure_command(&options);
   case COMMAND_BENCH:
     return bench_command(&options);
+  case COMMAND_VIEW:
+    return view_command(&options);
   }
   return 0;
 }

@@ -17,6 +17,7 @@ static const char help[] =
     "  csm-host run    [options]   draw one frame on each backend, compare, write pictures\n"
     "  csm-host measure [options]  draw one frame on each backend, and measure it against the truth\n"
     "  csm-host bench  [options]   time the depth pass of each backend against a bare loop, in turn\n"
+    "  csm-host view   [options]   fly through the scene in a window; H there tells the keys\n"
     "  csm-host config             every key of a configuration with its unit, range and default, as JSON\n"
     "  csm-host --help\n"
     "\n"
@@ -40,6 +41,7 @@ static const char help[] =
     "  --light-path FILE           measure: likewise, of lights\n"
     "  --sun-samples N             measure: rays to a soft sun for each pixel, 4 to 4096; 256\n"
     "  --quick                     bench: 5 pairs instead of 31\n"
+    "  --frames N --keys TEXT      view: N frames, a key of TEXT pressed in each ('.' is none); saves view.png\n"
     "\n"
     "Exit codes: 0 the backends agree, 1 they differ, 2 bad input, 3 no device or backend.\n";
 
@@ -96,6 +98,14 @@ static int parse_backend(host_options *out, const char *value) {
   return known ? 0 : host_fail(HOST_BAD_INPUT, "--backend: not vulkan, d3d12 or both: '%s'", value);
 }
 
+static int parse_frames(host_options *out, const char *value) {
+  double frames;
+  if (!parse_number(value, &frames) || frames != floor(frames) || frames < 1.0 || frames > 1e6)
+    return host_fail(HOST_BAD_INPUT, "--frames: not a whole number from 1 to 1000000: '%s'", value);
+  out->frames = (uint32_t)frames;
+  return 0;
+}
+
 static int parse_preset(host_options *out, const char *value) {
   (void)out;
   return host_fail(HOST_BAD_INPUT, "--preset: no preset is called '%s'; there are none in this version", value);
@@ -132,7 +142,9 @@ static int parse_option(host_options *out, const char *name, const char *value) 
                           {"--cache", NULL, &out->cache},
                           {"--camera-path", NULL, &out->camera_path},
                           {"--light-path", NULL, &out->light_path},
-                          {"--sun-samples", parse_sun_samples, NULL}};
+                          {"--sun-samples", parse_sun_samples, NULL},
+                          {"--frames", parse_frames, NULL},
+                          {"--keys", NULL, &out->keys}};
   for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
     if (strcmp(name, known[i].name) != 0)
       continue;
@@ -147,21 +159,29 @@ static int parse_option(host_options *out, const char *name, const char *value) 
 }
 
 static int parse_command(host_options *out, const char *name) {
-  static const char *const names[] = {
-      [COMMAND_CONFIG] = "config", [COMMAND_RUN] = "run", [COMMAND_MEASURE] = "measure", [COMMAND_BENCH] = "bench"};
-  for (int i = COMMAND_CONFIG; i <= COMMAND_BENCH; i++)
+  static const char *const names[] = {[COMMAND_CONFIG] = "config",
+                                      [COMMAND_RUN] = "run",
+                                      [COMMAND_MEASURE] = "measure",
+                                      [COMMAND_BENCH] = "bench",
+                                      [COMMAND_VIEW] = "view"};
+  for (int i = COMMAND_CONFIG; i <= COMMAND_VIEW; i++)
     if (strcmp(name, names[i]) == 0) {
       out->command = (host_command)i;
       return 0;
     }
   if (strcmp(name, "report") == 0)
     return host_fail(HOST_BAD_INPUT, "'%s' is not in this version", name);
-  return host_fail(HOST_BAD_INPUT, "unknown command '%s' (run, measure, bench, config, --help)", name);
+  return host_fail(HOST_BAD_INPUT, "unknown command '%s' (run, measure, bench, view, config, --help)", name);
 }
 
 int options_parse(host_options *out, int count, char **arguments) {
-  *out = (host_options){
-      .scene = "valley", .width = 1280, .height = 720, .backends = {true, true}, .out = "out", .sun_samples = 256};
+  *out = (host_options){.scene = "valley",
+                        .width = 1280,
+                        .height = 720,
+                        .backends = {true, true},
+                        .out = "out",
+                        .sun_samples = 256,
+                        .keys = ""};
   for (int i = 1; i < count; i++)
     if (strcmp(arguments[i], "--help") == 0 || strcmp(arguments[i], "-h") == 0)
       return 0;

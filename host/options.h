@@ -8,7 +8,14 @@
 #include "scene.h"
 #include <stdio.h>
 
-typedef enum host_command { COMMAND_HELP, COMMAND_CONFIG, COMMAND_RUN, COMMAND_MEASURE, COMMAND_BENCH } host_command;
+typedef enum host_command {
+  COMMAND_HELP,
+  COMMAND_CONFIG,
+  COMMAND_RUN,
+  COMMAND_MEASURE,
+  COMMAND_BENCH,
+  COMMAND_VIEW
+} host_command;
 
 #define HOST_BACKENDS 2
 
@@ -30,6 +37,8 @@ typedef struct host_options {
   const char *camera_path, *light_path; /* files, or NULL */
   uint32_t sun_samples;                 /* rays to a soft sun, for each pixel */
   bool quick;                           /* bench: fewer pairs */
+  uint32_t frames;                      /* view: how many before it ends by itself; 0: until it is closed */
+  const char *keys;                     /* view: pressed by themselves, one a frame; "" for none */
 } host_options;
 
 extern const char *const host_backend_names[HOST_BACKENDS];

@@ -122,6 +122,26 @@ int stage_load(stage *s, const host_setup *setup) {
   return exit_code(csm_cascades_create(s->context, &setup->config, &s->cascades));
 }
 
+int stage_configure(stage *s, const csm_config *config) {
+  return exit_code(csm_cascades_configure(s->cascades, config));
+}
+
+int stage_switch(stage *s, const char *backend, const char *device, double *ms) {
+  char error[512] = "";
+  const csm_create_info info = {.struct_size = sizeof info,
+                                .version = CSM_VERSION,
+                                .backend = backend,
+                                .device = device,
+                                .error = error,
+                                .error_size = sizeof error};
+  const double start_ms = host_now_ms();
+  if (csm_switch_backend(s->context, &info))
+    return host_fail(HOST_NO_DEVICE, "switching to %s: %s", backend, error);
+  *ms = host_now_ms() - start_ms;
+  s->backend = backend;
+  return 0;
+}
+
 static int wait_for_stats(stage *s, csm_stats *stats) {
   *stats = (csm_stats){.struct_size = sizeof *stats};
   return exit_code(csm_get_stats(s->cascades, stats));
@@ -134,7 +154,7 @@ int stage_render(stage *s) {
   return code ? code : wait_for_stats(s, &stats);
 }
 
-static int render_timed(stage *s, csm_stats *stats) {
+int stage_draw(stage *s, csm_stats *stats) {
   s->frame.flags = CSM_FRAME_TIMESTAMPS;
   int code = exit_code(csm_render_cascades(s->cascades, &s->frame));
   const csm_mask_info mask = {.struct_size = sizeof mask,
@@ -176,25 +196,30 @@ static int read_back(stage *s, uint32_t source, uint32_t cascade, size_t count, 
   return read_into(s, source, cascade, count, *out);
 }
 
-int stage_capture(stage *s, stage_frame *out) {
-  csm_stats timed[TIMED_FRAMES];
+int stage_read(stage *s, bool maps, stage_frame *out) {
   *out = (stage_frame){.binding.struct_size = sizeof out->binding};
-  int code = render_timed(s, &timed[0]);
-  for (int i = 0; code == 0 && i < TIMED_FRAMES; i++)
-    code = render_timed(s, &timed[i]);
-  if (code == 0)
-    code = exit_code(csm_bind(s->cascades, &out->binding));
-  if (code)
-    return code;
-  median_times(&out->stats, timed);
+  int code = exit_code(csm_bind(s->cascades, &out->binding));
   const size_t texels = (size_t)out->binding.resolution * out->binding.resolution;
   const size_t pixels = (size_t)s->setup->width * s->setup->height;
-  for (uint32_t k = 0; code == 0 && k < out->binding.cascade_count; k++)
+  for (uint32_t k = 0; maps && code == 0 && k < out->binding.cascade_count; k++)
     code = read_back(s, CSM_READ_MAP, k, texels, &out->maps[k]);
   if (code == 0)
     code = read_back(s, CSM_READ_MASK, 0, pixels, &out->mask);
   if (code == 0)
     code = read_back(s, CSM_READ_CAMERA_DEPTH, 0, pixels, &out->camera_depth);
+  return code;
+}
+
+int stage_capture(stage *s, stage_frame *out) {
+  csm_stats timed[TIMED_FRAMES];
+  *out = (stage_frame){0};
+  int code = stage_draw(s, &timed[0]);
+  for (int i = 0; code == 0 && i < TIMED_FRAMES; i++)
+    code = stage_draw(s, &timed[i]);
+  if (code == 0)
+    code = stage_read(s, true, out);
+  if (code == 0)
+    median_times(&out->stats, timed);
   return code;
 }
 
@@ -204,7 +229,7 @@ static void look_from(stage *s, const camera *from) {
   memcpy(s->frame.projection, from->projection, sizeof s->frame.projection);
 }
 
-int stage_draw(stage *s, const camera *from, const scene_light *light, csm_binding *binding) {
+int stage_draw_from(stage *s, const camera *from, const scene_light *light, csm_binding *binding) {
   look_from(s, from);
   memcpy(s->frame.light_direction, light->direction, sizeof s->frame.light_direction);
   const int code = exit_code(csm_render_cascades(s->cascades, &s->frame));

@@ -34,11 +34,25 @@ void stage_close(stage *s);
 /* Uploads the scene and makes the cascades. `setup` must live as long as the stage. 0, or a code after a message. */
 int stage_load(stage *s, const host_setup *setup);
 
+/* Moves to another backend; *ms gets what that took. 0, or a code after a message: the old
+ * one draws on then. */
+int stage_switch(stage *s, const char *backend, const char *device, double *ms);
+
+/* Changes the settings. 0, or a code after a message: the old ones hold then. */
+int stage_configure(stage *s, const csm_config *config);
+
 /* Draws the cascades once and waits. 0, or a code after a message. */
 int stage_render(stage *s);
 
+/* Draws the cascades and the mask with timestamps, and waits. 0, or a code after a message. */
+int stage_draw(stage *s, csm_stats *stats);
+
+/* Reads back what was drawn, all but its stats; the maps only if they are wanted. 0, or a code after a message;
+ * stage_frame_free is always allowed. */
+int stage_read(stage *s, bool maps, stage_frame *out);
+
 /* Draws the cascades for a camera and a light, and tells what they are. 0, or a code after a message. */
-int stage_draw(stage *s, const camera *from, const scene_light *light, csm_binding *binding);
+int stage_draw_from(stage *s, const camera *from, const scene_light *light, csm_binding *binding);
 /*
  * Resolves the mask of what a camera sees, from the maps that were drawn last, which may have been drawn for another
  * camera, and reads it back. camera_depth may be NULL. Both hold width * height pixels. 0, or a code after a message.

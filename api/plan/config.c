@@ -23,20 +23,21 @@ typedef struct config_entry {
   }
 
 /*
- * The defaults of the bias, in texels' widths:
+ * The defaults of the bias, in texels' widths. A map knows a surface at its texels' centres alone, half a texel away at
+ * most along each axis; what lies between is guessed.
  *
- * - mode: every texel is compared with the depth of the receiver's plane at its centre, so a plane needs no bias but
- * that for rounding, and what shadows a steep receiver from just above is kept: a caster that covers the receiver
- * covers more than half of the filter, wherever the plane runs.
- * - slope (of the other mode): on a plane whose depth changes by sr and su for each metre along right and up, the
- * filter's farthest texel lies `reach` away along each axis, so its depth is nearer by at most reach (|sr| + |su|). A
- * slope bias of 1 is that much: a plane never shadows itself, and less would not do for every place of the receiver in
- * its texel.
- * - slope_max: a receiver that light meets at a cosine of 0.02 has a slope of 50, and |sr| + |su| is at most sqrt(2)
- *   times that: 71. Up to there nothing is cut off; beyond it a receiver gets almost no light.
- * - constant: covers rounding, whatever the slope. The rasteriser places vertices to 1/256 pixel, which moves a
- *   plane of slope 50 by at most 50 / 512 = 0.1 texel. D32 over a range of 64 radii at 2048 texels, and the float
- *   arithmetic that leads there, is off by 2^-22 of the range: 0.016 texel.
+ * - mode: every texel is compared with the depth that the receiver's plane has at its centre. A plane then needs no bias
+ *   but that for rounding, and what shadows a steep receiver from just above is kept: a caster that covers the receiver
+ *   covers more than half of the filter, however the plane runs.
+ * - slope: where the surface is no plane, its depth half a texel away differs by half a texel times its slope along each
+ *   axis; a slope bias of 1 is that much. In the other mode there is one depth for the whole filter, and 1 is as much as
+ *   the plane's depth changes over the filter's reach: a plane never shadows itself, and less would not do.
+ * - slope_max: a receiver of slope 10 gets a tenth of the light. Beyond, half a texel in the map is so much depth that a
+ *   growing bias would let more light through than it keeps off.
+ * - constant: half a texel times the slope of 45 degrees, for what stands beside a receiver that faces the light. It also
+ *   covers rounding: the rasteriser places vertices to 1/256 pixel, which moves a plane of slope 10 by at most 0.02
+ *   texel; D32 over a range of 64 radii at 2048 texels, and the float arithmetic that leads there, is off by 2^-22 of the
+ *   range, 0.016 texel.
  */
 static const config_entry entries[] = {
     ENTRY(cascade_count, .type = CSM_FIELD_UINT, .length = 1, .minimum = 1, .maximum = CSM_MAX_CASCADES,
@@ -63,12 +64,13 @@ static const config_entry entries[] = {
           .default_value = 1000.0, .unit = "m",
           .about = "How far before a slice, towards the light, depth is kept; nearer casters are clamped there."),
     ENTRY(bias_constant_texels, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 1e3,
-          .default_value = 0.1, .unit = "texels", .about = "Depth bias towards the light, whatever the slope."),
+          .default_value = 0.5, .unit = "texels", .about = "Depth bias towards the light, whatever the slope."),
     ENTRY(bias_slope_texels, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 1e3,
           .default_value = 1.0, .unit = "texels",
           .about =
-              "Depth bias for each unit of the receiver's slope to the light and each texel of the filter's reach."),
-    ENTRY(bias_slope_max, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 1e4, .default_value = 71.0,
+              "Depth bias for each unit of the receiver's slope to the light: times the filter's reach with bias_mode "
+              "slope, times half a texel with receiver_plane."),
+    ENTRY(bias_slope_max, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 1e4, .default_value = 10.0,
           .unit = "1", .about = "Slope at which the slope bias stops growing."),
     ENTRY(bias_normal_texels, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 4.0,
           .default_value = 0.0, .unit = "texels", .about = "Offset of the receiver along its normal."),

@@ -25,8 +25,7 @@
   (D3D12_RESOURCE_STATE_PIXEL_SHADER_RESOURCE | D3D12_RESOURCE_STATE_NON_PIXEL_SHADER_RESOURCE)
 
 /* Every state in which draws read a buffer. */
-#define D3D12_STATE_GEOMETRY                                                                                           \
-  (D3D12_RESOURCE_STATE_VERTEX_AND_CONSTANT_BUFFER | D3D12_RESOURCE_STATE_INDEX_BUFFER)
+#define D3D12_STATE_GEOMETRY (D3D12_RESOURCE_STATE_VERTEX_AND_CONSTANT_BUFFER | D3D12_RESOURCE_STATE_INDEX_BUFFER)
 
 /* Makes root signatures: D3D12SerializeRootSignature. */
 typedef HRESULT(WINAPI *d3d12_serializer)(const D3D12_ROOT_SIGNATURE_DESC *signature,

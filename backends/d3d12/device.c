@@ -1,7 +1,7 @@
 /*
  * device.c: opening and closing. A device is obtained first: an own one (obtain_device: driver, device, queue, fence, a
- * list and an allocator for each slot) or an engine's (engine.c); what recording needs on any device is made on top of it
- * (use_device).
+ * list and an allocator for each slot) or an engine's (engine.c); what recording needs on any device is made on top of
+ * it (use_device).
  */
 #include "d3d12.h"
 #include <time.h>

@@ -42,10 +42,11 @@ static bool has_feature_level(ID3D12Device *device) {
 static void describe(ID3D12Device *device, gpu_device_info *out) {
   D3D12_FEATURE_DATA_ARCHITECTURE architecture = {0};
   D3D12_FEATURE_DATA_GPU_VIRTUAL_ADDRESS_SUPPORT addresses = {0};
-  HRESULT hr =
-      ID3D12Device_CheckFeatureSupport(device, D3D12_FEATURE_ARCHITECTURE, &architecture, sizeof architecture);
+  HRESULT hr = ID3D12Device_CheckFeatureSupport(device, D3D12_FEATURE_ARCHITECTURE, &architecture, sizeof architecture);
   *out = (gpu_device_info){
-      .type = FAILED(hr) ? CSM_DEVICE_OTHER : architecture.UMA ? CSM_DEVICE_INTEGRATED : CSM_DEVICE_DISCRETE,
+      .type = FAILED(hr)         ? CSM_DEVICE_OTHER
+              : architecture.UMA ? CSM_DEVICE_INTEGRATED
+                                 : CSM_DEVICE_DISCRETE,
       .max_image_size = D3D12_REQ_TEXTURE2D_U_OR_V_DIMENSION,
       .max_image_layers = D3D12_REQ_TEXTURE2D_ARRAY_AXIS_DIMENSION,
       .max_allocation_size = UINT64_MAX,
@@ -53,8 +54,8 @@ static void describe(ID3D12Device *device, gpu_device_info *out) {
       .name = "the engine's device",
       .driver = "Direct3D 12",
   };
-  hr = ID3D12Device_CheckFeatureSupport(device, D3D12_FEATURE_GPU_VIRTUAL_ADDRESS_SUPPORT, &addresses,
-                                        sizeof addresses);
+  hr =
+      ID3D12Device_CheckFeatureSupport(device, D3D12_FEATURE_GPU_VIRTUAL_ADDRESS_SUPPORT, &addresses, sizeof addresses);
   const UINT bits = addresses.MaxGPUVirtualAddressBitsPerResource;
   if (SUCCEEDED(hr) && bits && bits < 64)
     out->max_allocation_size = (uint64_t)1 << bits;
@@ -186,11 +187,11 @@ static csm_result import_buffer(gpu_device *device, ID3D12Resource *resource, gp
   return CSM_SUCCESS;
 }
 
-static const char *buffer_fault(ID3D12Resource *resource, uint64_t offset, uint32_t alignment) {
+static const char *buffer_fault(ID3D12Resource *resource, uint64_t offset) {
   const D3D12_RESOURCE_DESC description = ID3D12Resource_GetDesc(resource);
   return description.Dimension != D3D12_RESOURCE_DIMENSION_BUFFER ? "a resource is not a buffer"
          : offset >= description.Width                            ? "an offset lies beyond its buffer"
-         : offset % alignment                                     ? "an offset is not aligned"
+         : offset % 4                                             ? "an offset is no multiple of 4"
                                                                   : NULL;
 }
 
@@ -203,13 +204,11 @@ csm_result d3d12_geometry_import(gpu_device *device, const void *native, gpu_geo
     return refuse(device, result, name, "struct_size is wrong");
   if (!given.vertices || !given.indices)
     return refuse(device, CSM_ERROR_NULL_POINTER, name, given.vertices ? "indices is NULL" : "vertices is NULL");
-  if (given.vertex_stride < 12 || given.vertex_stride % 4)
-    return refuse(device, CSM_ERROR_INVALID_VALUE, name, "vertex_stride is not a multiple of 4 of at least 12");
-  if (given.vertex_stride > LARGEST_STRIDE)
-    return refuse(device, CSM_ERROR_LIMIT_EXCEEDED, name, "vertex_stride is above 2048");
-  const char *fault = buffer_fault(given.vertices, given.vertex_offset, 4);
+  if (given.vertex_stride < 12 || given.vertex_stride % 4 || given.vertex_stride > LARGEST_STRIDE)
+    return refuse(device, CSM_ERROR_INVALID_VALUE, name, "vertex_stride is no multiple of 4 from 12 to 2048");
+  const char *fault = buffer_fault(given.vertices, given.vertex_offset);
   if (!fault)
-    fault = buffer_fault(given.indices, given.index_offset, 2);
+    fault = buffer_fault(given.indices, given.index_offset);
   if (fault)
     return refuse(device, CSM_ERROR_INVALID_VALUE, name, fault);
   result = import_buffer(device, given.vertices, &out->vertices);

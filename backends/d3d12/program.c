@@ -177,7 +177,8 @@ void d3d12_bindings_write(gpu_device *device, gpu_bindings *bindings, const gpu_
     bindings->constants[i] = info->constants[i]->address;
   if (!bindings->has_textures)
     return;
-  const D3D12_CPU_DESCRIPTOR_HANDLE start = ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(device->descriptors);
+  const D3D12_CPU_DESCRIPTOR_HANDLE start =
+      ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(device->descriptors);
   for (uint32_t i = 0; i < info->program->texture_count; ++i)
     d3d12_image_describe(device, info->textures[i],
                          start.ptr + ((size_t)bindings->block * GPU_MAX_TEXTURES + i) * device->descriptor_size);

@@ -56,6 +56,12 @@ csm_result vulkan_check(const gpu_device *device, VkResult result, const char *f
   }
 }
 
+csm_result vulkan_made(const gpu_device *device, VkResult result, void *handle, const char *function) {
+  if (result != VK_SUCCESS)
+    memset(handle, 0, sizeof(uint64_t));
+  return vulkan_check(device, result, function);
+}
+
 void vulkan_name(const gpu_device *device, VkObjectType type, uint64_t handle, const char *name) {
   if (!device->debug || !name)
     return;

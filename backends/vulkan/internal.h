@@ -165,6 +165,8 @@ __attribute__((format(printf, 3, 4))) csm_result vulkan_fail(const gpu_device *d
                                                              const char *format, ...);
 /* The csm_result of a VkResult; a failure is reported with the name of the function that failed. */
 csm_result vulkan_check(const gpu_device *device, VkResult result, const char *function);
+/* The same for a call that makes an object: after a failure its handle (64 bits) is undefined, and set to none here. */
+csm_result vulkan_made(const gpu_device *device, VkResult result, void *handle, const char *function);
 /* Names a Vulkan object for debuggers. */
 void vulkan_name(const gpu_device *device, VkObjectType type, uint64_t handle, const char *name);
 VkFormat vulkan_format(gpu_format format);

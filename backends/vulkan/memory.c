@@ -67,8 +67,8 @@ static csm_result block_create(gpu_device *device, uint64_t size, uint32_t type,
 
   const VkMemoryAllocateInfo info = {
       .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = size, .memoryTypeIndex = type};
-  result =
-      vulkan_check(device, device->vk.AllocateMemory(device->handle, &info, NULL, &block->handle), "vkAllocateMemory");
+  result = vulkan_made(device, device->vk.AllocateMemory(device->handle, &info, NULL, &block->handle), &block->handle,
+                       "vkAllocateMemory");
   if (result != CSM_SUCCESS)
     goto failed;
   if (map) {

@@ -122,6 +122,8 @@ static csm_result create_instance(gpu_device *device, bool validate) {
                                      .enabledExtensionCount = extension_count,
                                      .ppEnabledExtensionNames = extensions};
   const VkResult created = device->vk.CreateInstance(&info, NULL, &device->instance);
+  if (created != VK_SUCCESS)
+    device->instance = VK_NULL_HANDLE; /* it is undefined then */
   if (created == VK_ERROR_INCOMPATIBLE_DRIVER)
     return vulkan_fail(device, CSM_ERROR_NO_DEVICE, "no Vulkan driver is installed");
   result = vulkan_check(device, created, "vkCreateInstance");
@@ -134,9 +136,9 @@ static csm_result create_instance(gpu_device *device, bool validate) {
     return CSM_SUCCESS;
   VkDebugUtilsMessengerCreateInfoEXT own_messenger = messenger;
   own_messenger.pNext = NULL;
-  return vulkan_check(
+  return vulkan_made(
       device, device->vk.CreateDebugUtilsMessengerEXT(device->instance, &own_messenger, NULL, &device->messenger),
-      "vkCreateDebugUtilsMessengerEXT");
+      &device->messenger, "vkCreateDebugUtilsMessengerEXT");
 }
 
 /* ---- the physical device ---- */
@@ -272,8 +274,10 @@ csm_result vulkan_own_open(gpu_device *device) {
                                    .enabledExtensionCount = device->memory_budget,
                                    .ppEnabledExtensionNames = extensions,
                                    .pEnabledFeatures = &features};
-  return vulkan_check(device, device->vk.CreateDevice(device->physical, &info, NULL, &device->handle),
-                      "vkCreateDevice");
+  const VkResult created = device->vk.CreateDevice(device->physical, &info, NULL, &device->handle);
+  if (created != VK_SUCCESS)
+    device->handle = VK_NULL_HANDLE; /* it is undefined then */
+  return vulkan_check(device, created, "vkCreateDevice");
 }
 
 void vulkan_own_close(gpu_device *device) {

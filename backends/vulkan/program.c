@@ -20,8 +20,9 @@ csm_result vulkan_samplers_create(gpu_device *device) {
                                       .addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                                       .compareEnable = i == GPU_SAMPLER_COMPARE_LESS_EQUAL,
                                       .compareOp = VK_COMPARE_OP_LESS_OR_EQUAL};
-    const csm_result result = vulkan_check(
-        device, device->vk.CreateSampler(device->handle, &info, NULL, &device->samplers[i]), "vkCreateSampler");
+    const csm_result result =
+        vulkan_made(device, device->vk.CreateSampler(device->handle, &info, NULL, &device->samplers[i]),
+                    &device->samplers[i], "vkCreateSampler");
     if (result != CSM_SUCCESS)
       return result;
     vulkan_name(device, VK_OBJECT_TYPE_SAMPLER, (uint64_t)device->samplers[i], names[i]);
@@ -70,7 +71,7 @@ csm_result vulkan_pass_get(gpu_device *device, gpu_format depth, gpu_format colo
                                        .subpassCount = 1,
                                        .pSubpasses = &subpass};
   const csm_result result =
-      vulkan_check(device, device->vk.CreateRenderPass(device->handle, &info, NULL, pass), "vkCreateRenderPass");
+      vulkan_made(device, device->vk.CreateRenderPass(device->handle, &info, NULL, pass), pass, "vkCreateRenderPass");
   if (result == CSM_SUCCESS)
     vulkan_name(device, VK_OBJECT_TYPE_RENDER_PASS, (uint64_t)*pass,
                 depth ? color ? "depth and colour" : "depth" : "colour");
@@ -103,16 +104,16 @@ static csm_result layouts_create(gpu_device *device, gpu_program *program, const
   const VkDescriptorSetLayoutCreateInfo set = {
       .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = count, .pBindings = bindings};
   csm_result result =
-      vulkan_check(device, device->vk.CreateDescriptorSetLayout(device->handle, &set, NULL, &program->set_layout),
-                   "vkCreateDescriptorSetLayout");
+      vulkan_made(device, device->vk.CreateDescriptorSetLayout(device->handle, &set, NULL, &program->set_layout),
+                  &program->set_layout, "vkCreateDescriptorSetLayout");
   if (result != CSM_SUCCESS)
     return result;
   vulkan_name(device, VK_OBJECT_TYPE_DESCRIPTOR_SET_LAYOUT, (uint64_t)program->set_layout, info->name);
 
   const VkPipelineLayoutCreateInfo layout = {
       .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO, .setLayoutCount = 1, .pSetLayouts = &program->set_layout};
-  result = vulkan_check(device, device->vk.CreatePipelineLayout(device->handle, &layout, NULL, &program->layout),
-                        "vkCreatePipelineLayout");
+  result = vulkan_made(device, device->vk.CreatePipelineLayout(device->handle, &layout, NULL, &program->layout),
+                       &program->layout, "vkCreatePipelineLayout");
   if (result == CSM_SUCCESS)
     vulkan_name(device, VK_OBJECT_TYPE_PIPELINE_LAYOUT, (uint64_t)program->layout, info->name);
   return result;
@@ -122,7 +123,7 @@ static csm_result module_create(gpu_device *device, const gpu_code *code, const 
   const VkShaderModuleCreateInfo info = {
       .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO, .codeSize = code->spirv_size, .pCode = code->spirv};
   const csm_result result =
-      vulkan_check(device, device->vk.CreateShaderModule(device->handle, &info, NULL, out), "vkCreateShaderModule");
+      vulkan_made(device, device->vk.CreateShaderModule(device->handle, &info, NULL, out), out, "vkCreateShaderModule");
   if (result == CSM_SUCCESS)
     vulkan_name(device, VK_OBJECT_TYPE_SHADER_MODULE, (uint64_t)*out, name);
   return result;
@@ -277,8 +278,8 @@ static csm_result set_allocate(gpu_device *device, gpu_bindings *bindings, const
                                            .maxSets = 1,
                                            .poolSizeCount = count,
                                            .pPoolSizes = sizes};
-  csm_result result = vulkan_check(
-      device, device->vk.CreateDescriptorPool(device->handle, &pool, NULL, &bindings->pool), "vkCreateDescriptorPool");
+  csm_result result = vulkan_made(device, device->vk.CreateDescriptorPool(device->handle, &pool, NULL, &bindings->pool),
+                                  &bindings->pool, "vkCreateDescriptorPool");
   if (result != CSM_SUCCESS)
     return result;
   vulkan_name(device, VK_OBJECT_TYPE_DESCRIPTOR_POOL, (uint64_t)bindings->pool, name);

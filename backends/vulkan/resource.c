@@ -28,8 +28,8 @@ csm_result vulkan_buffer_create(gpu_device *device, const gpu_buffer_info *info,
                                      .size = info->size,
                                      .usage = buffer_usage(info->kind),
                                      .sharingMode = VK_SHARING_MODE_EXCLUSIVE};
-  csm_result result =
-      vulkan_check(device, vk->CreateBuffer(device->handle, &create, NULL, &buffer->handle), "vkCreateBuffer");
+  csm_result result = vulkan_made(device, vk->CreateBuffer(device->handle, &create, NULL, &buffer->handle),
+                                  &buffer->handle, "vkCreateBuffer");
   if (result != CSM_SUCCESS)
     goto failed;
   vulkan_name(device, VK_OBJECT_TYPE_BUFFER, (uint64_t)buffer->handle, info->name);
@@ -92,7 +92,7 @@ static csm_result view_create(gpu_device *device, const gpu_image *image, VkImag
       .subresourceRange = {
           .aspectMask = image->aspect, .levelCount = 1, .baseArrayLayer = layer, .layerCount = layer_count}};
   const csm_result result =
-      vulkan_check(device, device->vk.CreateImageView(device->handle, &info, NULL, out), "vkCreateImageView");
+      vulkan_made(device, device->vk.CreateImageView(device->handle, &info, NULL, out), out, "vkCreateImageView");
   if (result == CSM_SUCCESS)
     vulkan_name(device, VK_OBJECT_TYPE_IMAGE_VIEW, (uint64_t)*out, name);
   return result;
@@ -111,8 +111,8 @@ static csm_result image_handle_create(gpu_device *device, gpu_image *image, cons
                                     .usage = image_usage(info),
                                     .sharingMode = VK_SHARING_MODE_EXCLUSIVE,
                                     .initialLayout = VK_IMAGE_LAYOUT_UNDEFINED};
-  csm_result result =
-      vulkan_check(device, vk->CreateImage(device->handle, &create, NULL, &image->handle), "vkCreateImage");
+  csm_result result = vulkan_made(device, vk->CreateImage(device->handle, &create, NULL, &image->handle),
+                                  &image->handle, "vkCreateImage");
   if (result != CSM_SUCCESS)
     return result;
   vulkan_name(device, VK_OBJECT_TYPE_IMAGE, (uint64_t)image->handle, info->name);
@@ -194,8 +194,9 @@ static csm_result framebuffer_create(gpu_device *device, gpu_target *target, con
                                         .width = target->width,
                                         .height = target->height,
                                         .layers = 1};
-  const csm_result result = vulkan_check(
-      device, device->vk.CreateFramebuffer(device->handle, &info, NULL, &target->framebuffer), "vkCreateFramebuffer");
+  const csm_result result =
+      vulkan_made(device, device->vk.CreateFramebuffer(device->handle, &info, NULL, &target->framebuffer),
+                  &target->framebuffer, "vkCreateFramebuffer");
   if (result == CSM_SUCCESS)
     vulkan_name(device, VK_OBJECT_TYPE_FRAMEBUFFER, (uint64_t)target->framebuffer, name);
   return result;

@@ -9,8 +9,8 @@ static csm_result commands_create(gpu_device *device, vulkan_slot *slot) {
   const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                         .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT,
                                         .queueFamilyIndex = device->queue_family};
-  csm_result result =
-      vulkan_check(device, vk->CreateCommandPool(device->handle, &pool, NULL, &slot->pool), "vkCreateCommandPool");
+  csm_result result = vulkan_made(device, vk->CreateCommandPool(device->handle, &pool, NULL, &slot->pool), &slot->pool,
+                                  "vkCreateCommandPool");
   if (result != CSM_SUCCESS)
     return result;
   const VkCommandBufferAllocateInfo commands = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
@@ -22,7 +22,8 @@ static csm_result commands_create(gpu_device *device, vulkan_slot *slot) {
   if (result != CSM_SUCCESS)
     return result;
   const VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-  result = vulkan_check(device, vk->CreateFence(device->handle, &fence, NULL, &slot->fence), "vkCreateFence");
+  result =
+      vulkan_made(device, vk->CreateFence(device->handle, &fence, NULL, &slot->fence), &slot->fence, "vkCreateFence");
   if (result != CSM_SUCCESS)
     return result;
   vulkan_name(device, VK_OBJECT_TYPE_COMMAND_POOL, (uint64_t)slot->pool, "csm slot");
@@ -38,8 +39,8 @@ csm_result vulkan_slot_create(gpu_device *device, vulkan_slot *slot) {
   const VkQueryPoolCreateInfo queries = {.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
                                          .queryType = VK_QUERY_TYPE_TIMESTAMP,
                                          .queryCount = GPU_MAX_TIMESTAMPS};
-  result = vulkan_check(device, device->vk.CreateQueryPool(device->handle, &queries, NULL, &slot->queries),
-                        "vkCreateQueryPool");
+  result = vulkan_made(device, device->vk.CreateQueryPool(device->handle, &queries, NULL, &slot->queries),
+                       &slot->queries, "vkCreateQueryPool");
   if (result == CSM_SUCCESS)
     vulkan_name(device, VK_OBJECT_TYPE_QUERY_POOL, (uint64_t)slot->queries, "csm slot");
   return result;

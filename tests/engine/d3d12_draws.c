@@ -46,8 +46,7 @@ static picture draw_own(const hill *hill) {
 }
 
 static void resolve(const side *side, const csm_frame *frame) {
-  const csm_mask_info mask = {
-      .struct_size = sizeof mask, .frame = frame, .width = MASK_WIDTH, .height = MASK_HEIGHT};
+  const csm_mask_info mask = {.struct_size = sizeof mask, .frame = frame, .width = MASK_WIDTH, .height = MASK_HEIGHT};
   assert_int_equal(csm_resolve_mask(side->cascades, &mask), CSM_SUCCESS);
 }
 
@@ -157,8 +156,8 @@ static void write_rows(const csm_draw_info *info, const csm_instance *instance, 
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 4; ++column) {
       const double constant = column == 3 ? m[12 + row] : 0;
-      out[row * 4 + column] = (float)(m[row] * t[column * 4] + m[4 + row] * t[column * 4 + 1] +
-                                      m[8 + row] * t[column * 4 + 2] + constant);
+      out[row * 4 + column] =
+          (float)(m[row] * t[column * 4] + m[4 + row] * t[column * 4 + 1] + m[8 + row] * t[column * 4 + 2] + constant);
     }
 }
 
@@ -182,11 +181,10 @@ static void CSM_CALL draw_hills(void *user, const csm_draw_info *info) {
     write_rows(info, &caster->hills[i], rows + i * ROWS);
     caster->inside += is_inside(info, &caster->hills[i]);
   }
-  const D3D12_VERTEX_BUFFER_VIEW vertices = {
-      ID3D12Resource_GetGPUVirtualAddress(caster->vertices), HILL_VERTICES * 12, 12};
+  const D3D12_VERTEX_BUFFER_VIEW vertices = {ID3D12Resource_GetGPUVirtualAddress(caster->vertices), HILL_VERTICES * 12,
+                                             12};
   const D3D12_VERTEX_BUFFER_VIEW instances = {
-      ID3D12Resource_GetGPUVirtualAddress(caster->rows) + info->cascade * SLOT_BYTES, SLOT_BYTES,
-      ROWS * sizeof(float)};
+      ID3D12Resource_GetGPUVirtualAddress(caster->rows) + info->cascade * SLOT_BYTES, SLOT_BYTES, ROWS * sizeof(float)};
   const D3D12_INDEX_BUFFER_VIEW indices = {ID3D12Resource_GetGPUVirtualAddress(caster->indices), HILL_INDICES * 2,
                                            DXGI_FORMAT_R16_UINT};
   /* Everything that it may change: csm must set its own again. */
@@ -291,8 +289,8 @@ static void reader_open(reader *reader, d3d12_engine *engine, uint32_t size) {
                     "a heap");
   ID3D12Device_CreateRenderTargetView(engine->device, reader->target, NULL,
                                       ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(reader->target_heap));
-  reader->copy = d3d12_engine_buffer(engine, D3D12_HEAP_TYPE_READBACK,
-                                     (uint64_t)d3d12_engine_pitch(size, 16) * size, NULL);
+  reader->copy =
+      d3d12_engine_buffer(engine, D3D12_HEAP_TYPE_READBACK, (uint64_t)d3d12_engine_pitch(size, 16) * size, NULL);
 }
 
 static void reader_close(reader *reader) {
