@@ -54,7 +54,7 @@ static void find_elements(json_list *list) {
     }
     if (quoted) {
       quoted = *at != '"';
-      at += *at == '\\' && at[1] != '\n';
+      at += *at == '\\';
       continue;
     }
     quoted = *at == '"';
