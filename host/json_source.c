@@ -42,19 +42,19 @@ static char *read_text(const char *name, const char *path) {
 }
 
 /* Finds where each element of the outermost list begins. Precondition: the text is JSON. */
-static void find_elements(json_list *list, const char *name) {
+static void find_elements(json_list *list) {
   uint32_t line = 1, depth = 0;
   size_t found = 0;
   bool quoted = false, before_value = false;
   for (const char *at = list->text; *at && found < list->count; at++) {
     line += *at == '\n';
     if (before_value && !isspace((unsigned char)*at)) {
-      list->elements[found++] = (json_source){.name = name, .text = at, .line = line};
+      list->elements[found++] = (json_source){.name = list->name, .text = at, .line = line};
       before_value = false;
     }
     if (quoted) {
-      at += *at == '\\';
       quoted = *at != '"';
+      at += *at == '\\';
       continue;
     }
     quoted = *at == '"';
@@ -67,6 +67,7 @@ static void find_elements(json_list *list, const char *name) {
 int json_list_load(json_list *out, const char *name, const char *path) {
   json_error_t error;
   *out = (json_list){.text = read_text(name, path)};
+  snprintf(out->name, sizeof out->name, "%s: '%s'", name, path);
   if (!out->text)
     return HOST_BAD_INPUT;
   out->root = json_loads(out->text, JSON_REJECT_DUPLICATES, &error);
@@ -76,7 +77,7 @@ int json_list_load(json_list *out, const char *name, const char *path) {
   if (out->count == 0)
     return host_fail(HOST_BAD_INPUT, "%s: '%s' must be a list with at least one element", name, path);
   out->elements = host_allocate(out->count, sizeof *out->elements);
-  find_elements(out, name);
+  find_elements(out);
   return 0;
 }
 

@@ -17,14 +17,15 @@ int json_source_fail(const json_source *from, const char *key, const char *probl
 
 /* A list in a file: each element, and where it stands. */
 typedef struct json_list {
+  char name[512];
   char *text;
   json_t *root;
   size_t count;
   json_source *elements;
 } json_list;
 
-/* Loads a file that holds a list of at least one element. `name` begins its messages. 0, or HOST_BAD_INPUT after a
- * message; json_list_free is allowed in both cases. */
+/* Loads a file that holds a list of at least one element. The option `name` begins its messages. 0, or HOST_BAD_INPUT
+ * after a message; json_list_free is allowed in both cases. */
 int json_list_load(json_list *out, const char *name, const char *path);
 void json_list_free(json_list *list);
 

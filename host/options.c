@@ -219,7 +219,7 @@ static int pose_from_text(camera_pose *pose, const char *text, const json_source
   if ((count != 3 && count != 5) || parse_numbers(part[0], ',', pose->position, 3) != 3 ||
       parse_numbers(part[1], ',', pose->target, 3) != 3 || !parse_number(part[2], &pose->vertical_fov_deg) ||
       (count == 5 && (!parse_number(part[3], &pose->near_depth) || !parse_number(part[4], &pose->far_depth))))
-    return fail_with_text(from, "neither px,py,pz:tx,ty,tz:vfov_deg[:near:far] nor a .json file", text);
+    return fail_with_text(from, "neither px,py,pz:tx,ty,tz:vfov_deg[:near:far] nor a file", text);
   return 0;
 }
 
