@@ -89,11 +89,13 @@ static void put_cascade(float *out, uint32_t index, const plan_frame *frame, con
 uint32_t plan_write_constants(float *out, const plan_frame *frame, const csm_config *config) {
   const uint32_t count = frame->cascade_count;
   const double *view = frame->camera.view, side = plan_view_side(&frame->camera);
+  /* A plane under the filter needs no more than what it cannot know: half a texel. */
+  const double reach_texels = config->bias_mode == CSM_BIAS_SLOPE ? plan_filter_radius_texels(config) : 0.5;
   double ends[CSM_CONSTANTS_CASCADES];
   for (uint32_t i = 0; i < CSM_CONSTANTS_CASCADES; ++i) {
     const csm_cascade_info *info = &frame->cascades[i < count ? i : count - 1].info;
     ends[i] = info->far_depth;
-    put_cascade(out, i, frame, info, plan_filter_radius_texels(config));
+    put_cascade(out, i, frame, info, reach_texels);
   }
   put(out, CSM_C_PARAMS, count, config->resolution, 1.0 / config->resolution, ends[count - 1]);
   put(out, CSM_C_DEPTH, side * view[2], side * view[6], side * view[10], 0.0);

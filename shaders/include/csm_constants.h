@@ -8,7 +8,8 @@
 #define CSM_CONSTANTS_CASCADES 8
 
 /*
- * Index of each float4. Filter reach is how far the farthest texel centre is from the sample, along one axis.
+ * Index of each float4. Bias reach is how far from the sample the slope bias must hold, along one axis: to the filter's
+ * farthest texel centre, or half a texel under a receiver plane.
  */
 #define CSM_C_PARAMS 0    /* cascade count, texels a side, 1 / texels a side, view depth where shadows end */
 #define CSM_C_DEPTH 1     /* view depth of a relative position p: dot(p, xyz) + w */
@@ -17,7 +18,7 @@
 #define CSM_C_BIAS_MODE 3 /* w alone: 0 slope, 1 receiver plane */
 #define CSM_C_BIAS 5      /* constant, slope, slope max, normal offset: as configured, in texels */
 #define CSM_C_SPLITS 6    /* two: where cascades 0..3 and 4..7 end, as view depth; unused ones repeat the last */
-#define CSM_C_TEXELS 8    /* eight: texel size in metres, depth per metre along the light, filter reach in metres */
+#define CSM_C_TEXELS 8    /* eight: texel size in metres, depth per metre along the light, bias reach in metres */
 #define CSM_C_MATRICES 16 /* eight times three rows: relative position to u, v, depth */
 #define CSM_C_COUNT 40
 

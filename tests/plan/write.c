@@ -77,7 +77,7 @@ static void constants_agree_with_the_plan(void **state) {
     float c[CSM_C_COUNT * 4];
     assert_int_equal(plan_write_constants(c, &frame, &config), sizeof c);
     const uint32_t count = frame.cascade_count;
-    const double reach = config.filter == CSM_FILTER_PCF_3X3 ? 2.0 : 1.0;
+    const double reach = config.bias_mode ? 0.5 : config.filter == CSM_FILTER_PCF_3X3 ? 2.0 : 1.0;
     assert_true(c[CSM_C_PARAMS * 4] == (float)count && c[CSM_C_PARAMS * 4 + 1] == (float)config.resolution);
     assert_true(c[CSM_C_PARAMS * 4 + 2] == (float)(1.0 / config.resolution));
     assert_true(c[CSM_C_PARAMS * 4 + 3] == (float)frame.cascades[count - 1].info.far_depth);
