@@ -125,10 +125,10 @@ typedef struct csm_create_info {
 /*
  * Loads a backend and makes a context on it. A name is looked up beside libcsm, then in the folder it was installed to;
  * never in the current folder.
- * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (flags, frame_slots, backend), BACKEND_NOT_FOUND, BACKEND_BROKEN,
- * BACKEND_TOO_OLD, BACKEND_TOO_NEW, NO_DEVICE, UNSUPPORTED (an engine's device that lacks what
- * csm_query_backends says is required, or that belongs to the other API), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE.
- * *context is NULL after an error. [any-thread]
+ * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (flags, frame_slots, backend; what an engine's device says of
+ * itself), BACKEND_NOT_FOUND, BACKEND_BROKEN, BACKEND_TOO_OLD, BACKEND_TOO_NEW, NO_DEVICE, UNSUPPORTED (an engine's
+ * device that lacks what csm_query_backends says is required, or that belongs to the other API), OUT_OF_MEMORY,
+ * OUT_OF_DEVICE_MEMORY, DEVICE. *context is NULL after an error. [any-thread]
  */
 CSM_API csm_result CSM_CALL csm_create(const csm_create_info *info, csm_context **context);
 

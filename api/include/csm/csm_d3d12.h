@@ -5,7 +5,7 @@
  * csm records into the engine's open graphics command list, outside a render pass. It submits nothing and waits for
  * nothing. A recording leaves changed: the CBV/SRV/UAV descriptor heap (csm sets its own; the engine sets its heaps
  * again), the graphics root signature and its arguments, the pipeline state, render targets, viewport and scissor 0,
- * the primitive topology, vertex buffers 0 and 1 and the index buffer; nothing else.
+ * the primitive topology, vertex buffers 0 to 2 and the index buffer; nothing else.
  *
  * The maps and the mask rest in D3D12_RESOURCE_STATE_PIXEL_SHADER_RESOURCE | NON_PIXEL_SHADER_RESOURCE; an engine may
  * sample them there, and leaves them in that state. csm holds a reference to each object that it is given for as long

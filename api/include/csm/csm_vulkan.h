@@ -1,9 +1,10 @@
 /*
  * csm_vulkan.h: an engine's own Vulkan device, its images and its buffers.
  *
- * csm records into the engine's command buffer, which is open, belongs to queue_family, and is outside a render pass.
- * It submits nothing and waits for nothing. A recording leaves changed: the graphics pipeline, descriptor set 0 of the
- * graphics bind point, vertex buffers 0 and 1, the index buffer, viewport 0 and scissor 0; nothing else.
+ * csm records into the engine's command buffer, which is primary, open, belongs to queue_family, and is outside a
+ * render pass. It submits nothing and waits for nothing: the engine submits what was recorded, in the order of
+ * recording, to one queue. A recording leaves changed, for graphics alone: the pipeline and all dynamic state,
+ * descriptor sets and push constants, vertex buffers 0 to 2, and the index buffer; nothing else.
  *
  * The maps and the mask rest in VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, owned by queue_family, and each recording
  * makes what it wrote visible to fragment and compute shaders that follow in the queue. An engine may sample them
