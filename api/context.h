@@ -43,7 +43,6 @@ struct csm_context {
   char error[512];
 
   device *device;
-  uint64_t newest_frame; /* that was recorded on an engine's device */
   device *former; /* engines' devices that the context was switched away from, until their last frame is retired */
   mesh_table meshes;
   opacity_table opacities;

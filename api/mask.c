@@ -64,20 +64,26 @@ static void imported_free(device *device, retired *self) {
 }
 
 /* Takes an engine's image in until the frame that is about to be recorded is done. */
-static csm_result import(device *device, const void *native, const char *name, gpu_image **out, bool *unorm) {
+static csm_result import(device *device, const csm_mask_info *info, const void *native, const char *name,
+                         gpu_image **out, bool *unorm) {
   if (!native)
     return CSM_SUCCESS;
   imported_image *imported = context_allocate(device->context, sizeof *imported);
   if (!imported)
     return CSM_ERROR_OUT_OF_MEMORY;
-  const csm_result result =
-      device_check(device, device->gpu.api->image_import(device->gpu.device, native, &imported->image, unorm), name);
+  gpu_imported about = {0};
+  csm_result result =
+      device_check(device, device->gpu.api->image_import(device->gpu.device, native, &imported->image, &about), name);
   if (result) {
     context_release(device->context, imported);
     return result;
   }
   retire(device, &imported->retired, imported_free);
   imported->retired.serial = device->prepared.serial;
+  if (about.width != info->width || about.height != info->height)
+    return context_fail(device->context, CSM_ERROR_INVALID_VALUE, "%s is %u x %u, and the mask %u x %u", name,
+                        about.width, about.height, info->width, info->height);
+  *unorm = about.unorm;
   *out = imported->image;
   return CSM_SUCCESS;
 }
@@ -99,9 +105,9 @@ static csm_result reserve(csm_cascades *cascades, resolve *r) {
   if (!result)
     result = cascades_mask(cascades, r->info.width, r->info.height, !r->info.camera_depth, &r->mask);
   if (!result)
-    result = import(device, r->info.camera_depth, "csm_mask_info: camera_depth", &r->depth, &ignored);
+    result = import(device, &r->info, r->info.camera_depth, "csm_mask_info: camera_depth", &r->depth, &ignored);
   if (!result)
-    result = import(device, r->info.normals, "csm_mask_info: normals", &r->normals, &r->unorm_normals);
+    result = import(device, &r->info, r->info.normals, "csm_mask_info: normals", &r->normals, &r->unorm_normals);
   if (result)
     return result;
   const gpu_bindings_info reads = mask_inputs(choose_program(cascades, r), r->ring.buffer, cascades->maps->image,

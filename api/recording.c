@@ -89,6 +89,9 @@ static csm_result find_slot(device *device, uint64_t frame, next_frame *out) {
   if (out->serial < device->serial)
     return context_fail(device->context, CSM_ERROR_INVALID_VALUE, "csm_frame: frame %llu comes after frame %llu",
                         (unsigned long long)frame, (unsigned long long)device->serial);
+  if (!device->own && out->serial <= device->done)
+    return context_fail(device->context, CSM_ERROR_INVALID_VALUE, "csm_frame: frame %llu is retired already",
+                        (unsigned long long)frame);
   const uint64_t holder = device->slots[out->slot].serial;
   if (!device->own && fresh && holder > device->done)
     return context_fail(device->context, CSM_ERROR_INVALID_STATE,
@@ -124,8 +127,6 @@ csm_result recording_begin(device *device, void *native) {
   if (next->fresh)
     slot->stamps = 0;
   slot->serial = device->serial = next->serial;
-  if (!device->own)
-    device->context->newest_frame = next->serial;
   device->slot = next->slot;
   geometry_record(device);
   opacity_record(device);
@@ -176,17 +177,12 @@ csm_result recording_finish(device *device) {
 }
 
 csm_result recording_retire(device *device, uint64_t frame) {
-  const uint64_t newest = device->context->newest_frame;
-  if (frame > newest)
-    return context_fail(device->context, CSM_ERROR_INVALID_VALUE, "frame %llu is retired, the last recorded is %llu",
-                        (unsigned long long)frame, (unsigned long long)newest);
-  if (frame <= device->done)
-    return CSM_SUCCESS;
   csm_result result = CSM_SUCCESS;
   for (uint32_t slot = 0; slot < device->slot_count && !result; ++slot)
     if (device->slots[slot].serial > device->done && device->slots[slot].serial <= frame)
       result = collect_timings(device, slot);
-  device->done = frame;
+  if (frame > device->done)
+    device->done = frame;
   retire_collect(device);
   return result;
 }

@@ -86,6 +86,12 @@ typedef struct gpu_geometry {
   uint32_t vertex_stride, uv_stride;
 } gpu_geometry;
 
+/* What an engine's image turned out to be. */
+typedef struct gpu_imported {
+  uint32_t width, height;
+  bool unorm; /* its texels are normalised integers */
+} gpu_imported;
+
 typedef struct gpu_buffer_info {
   const char *name;
   gpu_buffer_kind kind;
@@ -238,9 +244,9 @@ typedef struct gpu_backend {
   /* D3D12: writes a shader resource view of the whole image to an engine's CPU descriptor. Vulkan: nothing. */
   void (*image_describe)(gpu_device *device, const gpu_image *image, uint64_t descriptor);
   /* The engine's own image to sample (csm_vulkan_image, csm_d3d12_image): it is in a state that shaders read, and stays
-     in it. *unorm tells that its texels are normalised integers. Destroyed like any other. Errors: those of creation,
+     in it. Destroyed like any other. Errors: those of creation,
      NULL_POINTER, STRUCT_SIZE, INVALID_VALUE. */
-  csm_result (*image_import)(gpu_device *device, const void *native, gpu_image **out, bool *unorm);
+  csm_result (*image_import)(gpu_device *device, const void *native, gpu_image **out, gpu_imported *about);
   /* The engine's own vertices and indices (csm_vulkan_mesh, csm_d3d12_mesh), readable as such while they are drawn.
      Both buffers are destroyed like any other, the indices' only if it is another one. Errors: as image_import. */
   csm_result (*geometry_import)(gpu_device *device, const void *native, gpu_geometry *out);

@@ -212,7 +212,7 @@ csm_result d3d12_engine_open(const gpu_open_info *info, ID3D12Device **device, d
                              gpu_device_info *out);
 /* Ticks a second of the device's queues. Only a queue tells, so one is made to be asked; nothing is submitted to it. */
 HRESULT d3d12_engine_tick_rate(ID3D12Device *device, uint64_t *ticks_per_second);
-csm_result d3d12_image_import(gpu_device *device, const void *native, gpu_image **out, bool *unorm);
+csm_result d3d12_image_import(gpu_device *device, const void *native, gpu_image **out, gpu_imported *about);
 csm_result d3d12_geometry_import(gpu_device *device, const void *native, gpu_geometry *out);
 
 /* ---- device.c ---- */

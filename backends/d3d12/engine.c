@@ -143,7 +143,7 @@ static csm_result refuse(const gpu_device *device, csm_result result, const char
   return result;
 }
 
-csm_result d3d12_image_import(gpu_device *device, const void *native, gpu_image **out, bool *unorm) {
+csm_result d3d12_image_import(gpu_device *device, const void *native, gpu_image **out, gpu_imported *about) {
   static const char name[] = "csm_d3d12_image";
   csm_d3d12_image given;
   *out = NULL;
@@ -164,7 +164,8 @@ csm_result d3d12_image_import(gpu_device *device, const void *native, gpu_image 
   image->view_format = (DXGI_FORMAT)given.format;
   image->resource = (d3d12_resource){.handle = resource, .state = D3D12_STATE_READABLE, .rest = D3D12_STATE_READABLE};
   ID3D12Resource_AddRef(resource);
-  *unorm = texels_of(given.format) == TEXELS_UNORM;
+  *about =
+      (gpu_imported){.width = given.width, .height = given.height, .unorm = texels_of(given.format) == TEXELS_UNORM};
   *out = image;
   return CSM_SUCCESS;
 }

@@ -200,11 +200,11 @@ static void null_image_describe(gpu_device *device, const gpu_image *image, uint
 }
 
 /* Never reached: there is no engine's device to import from. */
-static csm_result null_image_import(gpu_device *device, const void *native, gpu_image **out, bool *unorm) {
+static csm_result null_image_import(gpu_device *device, const void *native, gpu_image **out, gpu_imported *about) {
   (void)native;
   require(device, false, "image_import: not on an engine's device");
   *out = NULL;
-  *unorm = false;
+  *about = (gpu_imported){0};
   return CSM_ERROR_UNSUPPORTED;
 }
 

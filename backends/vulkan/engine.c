@@ -112,7 +112,7 @@ static bool sampled_format(uint32_t format, bool *unorm) {
   }
 }
 
-csm_result vulkan_image_import(gpu_device *device, const void *native_image, gpu_image **out, bool *unorm) {
+csm_result vulkan_image_import(gpu_device *device, const void *native_image, gpu_image **out, gpu_imported *about) {
   *out = NULL;
   csm_vulkan_image native;
   const csm_result result = read_struct(device, "csm_vulkan_image", &native, sizeof native, native_image);
@@ -124,7 +124,7 @@ csm_result vulkan_image_import(gpu_device *device, const void *native_image, gpu
       native.layout != VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL && native.layout != VK_IMAGE_LAYOUT_GENERAL)
     return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_image: layout %u is none that shaders read in",
                        native.layout);
-  if (!sampled_format(native.format, unorm))
+  if (!sampled_format(native.format, &about->unorm))
     return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_image: format %u is of no depth or normals",
                        native.format);
   if (!native.width || !native.height || native.reserved)
@@ -138,6 +138,8 @@ csm_result vulkan_image_import(gpu_device *device, const void *native_image, gpu
   image->sampled_layout = (VkImageLayout)native.layout;
   image->width = native.width;
   image->height = native.height;
+  about->width = native.width;
+  about->height = native.height;
   *out = image;
   return CSM_SUCCESS;
 }

@@ -193,7 +193,7 @@ void vulkan_own_close(gpu_device *device);                                   /* 
 
 /* ---- engine.c: an engine's handles, images and buffers ---- */
 csm_result vulkan_engine_take(gpu_device *device, const void *native); /* csm_vulkan_device; checks it */
-csm_result vulkan_image_import(gpu_device *device, const void *native, gpu_image **out, bool *unorm);
+csm_result vulkan_image_import(gpu_device *device, const void *native, gpu_image **out, gpu_imported *about);
 csm_result vulkan_geometry_import(gpu_device *device, const void *native, gpu_geometry *out);
 
 /* ---- resource.c ---- */

@@ -14,7 +14,7 @@
  *
  * Every function but csm_destroy and those that return text returns a csm_result. An error leaves everything as it was
  * and has a text: csm_last_error, and the log callback. After CSM_ERROR_DEVICE_LOST every call on that context but
- * csm_destroy, csm_switch_backend and csm_last_error answers CSM_ERROR_DEVICE_LOST.
+ * csm_destroy, csm_cascades_destroy, csm_switch_backend and csm_last_error answers CSM_ERROR_DEVICE_LOST.
  *
  * Threads: [any-thread] may be called at any time; [render-thread] one call at a time for one context, from any thread.
  * Contexts are independent of each other.
@@ -150,9 +150,9 @@ CSM_API void CSM_CALL csm_destroy(csm_context *context);
 CSM_API csm_result CSM_CALL csm_switch_backend(csm_context *context, const csm_create_info *info);
 
 /*
- * Engine's device: the GPU is done with every frame up to `frame`. Frees what waited for that. At most frame_slots
- * frames may be recorded and not retired. Errors: NULL_POINTER, UNSUPPORTED (an own device, which knows by itself),
- * INVALID_VALUE (a frame that was not recorded yet). [render-thread]
+ * Engine's device: the GPU is done with every frame up to `frame`, whether csm recorded anything for it or not. Frees
+ * what waited for that. At most frame_slots frames may be recorded and not retired, and a frame that is retired is not
+ * recorded again. Errors: NULL_POINTER, UNSUPPORTED (an own device, which knows by itself). [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_retire(csm_context *context, uint64_t frame);
 
@@ -290,7 +290,7 @@ CSM_API csm_result CSM_CALL csm_cascades_create(csm_context *context, const csm_
  */
 CSM_API csm_result CSM_CALL csm_cascades_configure(csm_cascades *cascades, const csm_config *config);
 
-/* Frees the cascades once no frame in flight uses them; NULL is allowed. [render-thread] */
+/* Frees the cascades once no frame in flight uses them; NULL is allowed. Always CSM_SUCCESS. [render-thread] */
 CSM_API csm_result CSM_CALL csm_cascades_destroy(csm_cascades *cascades);
 
 /* ---- frames ---- */
