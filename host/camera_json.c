@@ -1,5 +1,6 @@
 #include "camera_json.h"
 #include "host.h"
+#include "json_file.h"
 #include <math.h>
 #include <string.h>
 
@@ -66,14 +67,11 @@ static int read_size(const json_t *root, const char *key, uint32_t *out) {
 }
 
 int camera_from_json(camera *out, uint32_t *width, uint32_t *height, const char *path) {
-  json_error_t error;
-  json_t *root = json_load_file(path, JSON_REJECT_DUPLICATES, &error);
+  json_t *root = json_file_load("--camera", path);
   if (!root)
-    return host_fail(HOST_BAD_INPUT, "--camera: '%s': line %d: %s", path, error.line, error.text);
+    return HOST_BAD_INPUT;
   const json_t *inner = json_object_get(root, "camera");
-  int code = json_is_object(root) ? 0 : host_fail(HOST_BAD_INPUT, "--camera: '%s' is not a JSON object", path);
-  if (code == 0)
-    code = read_camera(out, inner ? inner : root);
+  int code = read_camera(out, inner ? inner : root);
   if (code == 0 && inner)
     code = read_size(root, "width", width);
   if (code == 0 && inner)
