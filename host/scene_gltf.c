@@ -65,6 +65,9 @@ static void texture_mean(const loader *l, const char *name, float mean[3]) {
   free(data);
 }
 
+/* A file without materials is white; what reflects all light would drown shadows in pictures. */
+static const float brightest = 0.6f;
+
 static void add_material(const loader *l, const struct aiMaterial *from) {
   scene_material material = {.color = {1, 1, 1}};
   struct aiString text;
@@ -84,6 +87,8 @@ static void add_material(const loader *l, const struct aiMaterial *from) {
     for (int i = 0; i < 3; i++)
       material.color[i] *= mean[i];
   }
+  for (int i = 0; i < 3; i++)
+    material.color[i] = fminf(material.color[i], brightest);
   if (aiGetMaterialIntegerArray(from, AI_MATKEY_TWOSIDED, &two_sided, NULL) == aiReturn_SUCCESS)
     material.two_sided = two_sided != 0;
   if (aiGetMaterialString(from, AI_MATKEY_GLTF_ALPHAMODE, &text) == aiReturn_SUCCESS)
