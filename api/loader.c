@@ -1,10 +1,12 @@
 #include "loader.h"
 
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <link.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static csm_result fail(csm_result result, char *error, size_t error_size, const char *format, ...) {
@@ -66,6 +68,33 @@ static csm_result find(char path[PATH_MAX], const char *name, char *error, size_
               known ? folder : "", known ? " or " : "", CSM_BACKEND_DIR);
 }
 
+static bool segments_fit(int file, uint64_t size) {
+  ElfW(Ehdr) header;
+  if (pread(file, &header, sizeof header, 0) != (ssize_t)sizeof header ||
+      memcmp(header.e_ident, ELFMAG, SELFMAG) != 0 || header.e_phentsize != sizeof(ElfW(Phdr)))
+    return true;
+  for (unsigned i = 0; i < header.e_phnum; ++i) {
+    ElfW(Phdr) segment;
+    if (pread(file, &segment, sizeof segment, (off_t)(header.e_phoff + i * sizeof segment)) != (ssize_t)sizeof segment)
+      return false;
+    if (segment.p_type == PT_LOAD && (segment.p_offset > size || segment.p_filesz > size - segment.p_offset))
+      return false;
+  }
+  return true;
+}
+
+/* A library whose file ends before what its header promises: the dynamic linker would die of it (SIGBUS). Whatever else
+   is wrong with a file it finds out itself. */
+static bool is_cut_short(const char *path) {
+  const int file = open(path, O_RDONLY | O_CLOEXEC);
+  struct stat status;
+  const bool cut = file >= 0 && fstat(file, &status) == 0 && S_ISREG(status.st_mode) &&
+                   !segments_fit(file, (uint64_t)status.st_size);
+  if (file >= 0)
+    close(file);
+  return cut;
+}
+
 /* Every member after the name is a function that the front calls without looking. */
 static bool complete(const gpu_backend *table) {
   if (!table->name)
@@ -118,6 +147,8 @@ csm_result loader_open(loader_library *out, const char *name, char *error, size_
     out->path[0] = '\0';
     return result;
   }
+  if (is_cut_short(out->path))
+    return fail(CSM_ERROR_BACKEND_BROKEN, error, error_size, "%s does not load: the file is cut short", out->path);
   out->handle = dlopen(out->path, RTLD_NOW | RTLD_LOCAL);
   if (!out->handle)
     return fail(CSM_ERROR_BACKEND_BROKEN, error, error_size, "%s does not load: %s", out->path, dlerror());

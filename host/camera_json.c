@@ -1,5 +1,6 @@
 #include "camera_json.h"
 #include "host.h"
+#include "json_file.h"
 #include "linear.h"
 #include <math.h>
 #include <string.h>
@@ -86,15 +87,12 @@ int light_from_object(scene_light *out, const json_t *object, const json_source 
 }
 
 int camera_from_json(camera *out, uint32_t *width, uint32_t *height, const char *path) {
-  json_error_t error;
-  json_t *root = json_load_file(path, JSON_REJECT_DUPLICATES, &error);
+  json_t *root = json_file_load("--camera", path);
   if (!root)
-    return host_fail(HOST_BAD_INPUT, "--camera: '%s': line %d: %s", path, error.line, error.text);
+    return HOST_BAD_INPUT;
   const json_source from = {.name = "--camera"};
   const json_t *inner = json_object_get(root, "camera");
-  int code = json_is_object(root) ? 0 : host_fail(HOST_BAD_INPUT, "--camera: '%s' is not a JSON object", path);
-  if (code == 0)
-    code = camera_from_object(out, inner ? inner : root, &from);
+  int code = camera_from_object(out, inner ? inner : root, &from);
   if (code == 0 && inner)
     code = read_size(root, &from, "width", width);
   if (code == 0 && inner)

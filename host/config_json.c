@@ -1,5 +1,7 @@
 #include "config_json.h"
 #include "host.h"
+#include "json_file.h"
+#include <math.h>
 #include <stdbool.h>
 #include <string.h>
 
@@ -21,9 +23,10 @@ static int wrong_type(const char *key, const char *wanted) {
   return host_fail(HOST_BAD_INPUT, "--config: '%s' must be %s", key, wanted);
 }
 
+/* A whole number may be written with a point: 4.0 is 4. */
 static int read_uint(void *to, const char *key, const json_t *value) {
-  const json_int_t number = json_integer_value(value);
-  if (!json_is_integer(value) || number < 0 || number > UINT32_MAX)
+  const double number = json_number_value(value);
+  if (!json_is_number(value) || number != floor(number) || number < 0.0 || number > UINT32_MAX)
     return wrong_type(key, "a whole number that is not negative");
   *(uint32_t *)to = (uint32_t)number;
   return 0;
@@ -74,11 +77,10 @@ int config_load(csm_config *out, const char *path, double shadow_distance) {
   out->shadow_distance = shadow_distance;
   if (!path)
     return 0;
-  json_error_t error;
-  json_t *root = json_load_file(path, JSON_REJECT_DUPLICATES, &error);
+  json_t *root = json_file_load("--config", path);
   if (!root)
-    return host_fail(HOST_BAD_INPUT, "--config: '%s': line %d: %s", path, error.line, error.text);
-  int code = json_is_object(root) ? 0 : host_fail(HOST_BAD_INPUT, "--config: '%s' is not a JSON object", path);
+    return HOST_BAD_INPUT;
+  int code = 0;
   const char *key;
   json_t *value;
   json_object_foreach(root, key, value) {

@@ -256,6 +256,20 @@ static VkResult make_commands(floor_loop *loop) {
   return result ? result : vkCreateFence(loop->device, &fence, NULL, &loop->fence);
 }
 
+static const char *reason(VkResult result) {
+  switch (result) {
+  case VK_ERROR_INCOMPATIBLE_DRIVER:
+    return "no Vulkan driver is installed";
+  case VK_ERROR_INITIALIZATION_FAILED:
+    return "there is no Vulkan device that fits";
+  case VK_ERROR_OUT_OF_HOST_MEMORY:
+  case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+    return "out of memory";
+  default:
+    return "the driver refused";
+  }
+}
+
 int floor_open(floor_loop **out, const floor_info *info, char *error, size_t error_size) {
   *out = NULL;
   floor_loop *loop = calloc(1, sizeof *loop);
@@ -279,7 +293,7 @@ int floor_open(floor_loop **out, const floor_info *info, char *error, size_t err
   if (!result)
     result = make_commands(loop);
   if (result) {
-    snprintf(error, error_size, "the bare Vulkan loop: VkResult %d", (int)result);
+    snprintf(error, error_size, "the bare Vulkan loop: %s (VkResult %d)", reason(result), (int)result);
     floor_close(loop);
     return HOST_NO_DEVICE;
   }

@@ -236,8 +236,14 @@ int camera_from_text(camera *out, const camera_pose *standard, const char *text,
   return 0;
 }
 
+/* A file that is there, or a name that is meant to be one. */
+static bool is_camera_file(const char *text) {
+  const char *ending = strrchr(text, '.');
+  return access(text, F_OK) == 0 || (ending && strcmp(ending, ".json") == 0);
+}
+
 static int setup_camera(host_setup *out, const host_options *options) {
-  if (options->camera_text && access(options->camera_text, F_OK) == 0) {
+  if (options->camera_text && is_camera_file(options->camera_text)) {
     uint32_t width = 0, height = 0;
     const int code = camera_from_json(&out->camera, &width, &height, options->camera_text);
     if (code == 0 && width > 0 && !options->has_size) {

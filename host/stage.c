@@ -32,15 +32,17 @@ static int exit_code(csm_result result) {
   }
 }
 
-static void describe_device(stage *s) {
+/* What the backend opens by itself; another device that was asked for goes by what was asked. */
+static void describe_device(stage *s, const char *asked) {
   csm_backend_info infos[8] = {{.struct_size = sizeof infos[0]}};
   uint32_t count = 8;
   if (csm_query_backends(&count, infos) != CSM_SUCCESS)
     return;
   for (uint32_t i = 0; i < count && i < 8; i++)
     if (strcmp(infos[i].name, s->backend) == 0) {
-      memcpy(s->device, infos[i].device, sizeof s->device);
-      memcpy(s->driver, infos[i].driver, sizeof s->driver);
+      const bool fits = !asked || strstr(infos[i].device, asked);
+      snprintf(s->device, sizeof s->device, "%s", fits ? infos[i].device : asked);
+      snprintf(s->driver, sizeof s->driver, "%s", fits ? infos[i].driver : "driver not known");
     }
 }
 
@@ -76,7 +78,7 @@ int stage_open(stage *out, const char *backend, const char *device) {
                                 .supply = supply_mesh};
   if (csm_create(&info, &out->context) != CSM_SUCCESS)
     return HOST_NO_DEVICE;
-  describe_device(out);
+  describe_device(out, device);
   return 0;
 }
 

@@ -233,7 +233,7 @@ static void configurations_are_read(void **state) {
   assert_int_equal(config_load(&config, NULL, 77.0), 0);
   assert_true(config.shadow_distance == 77.0 && config.cascade_count == standard.cascade_count);
   write_text(path,
-             "{\"cascade_count\": 3, \"filter\": \"pcf_2x2\", \"split_lambda\": 1, \"split_distances\": [1, 2.5]}");
+             "{\"cascade_count\": 3.0, \"filter\": \"pcf_2x2\", \"split_lambda\": 1, \"split_distances\": [1, 2.5]}");
   assert_int_equal(config_load(&config, path, 77.0), 0);
   assert_int_equal(config.cascade_count, 3);
   assert_int_equal(config.filter, CSM_FILTER_PCF_2X2);
@@ -378,6 +378,35 @@ static void gltf_is_read(void **state) {
   assert_true(s.shadow_distance > 0.0 && camera_pose_check(&s.camera) == NULL);
   scene_free(&s);
   unlink(path);
+}
+
+/* The document with one place of it changed. */
+static int load_changed(const char *from, const char *to) {
+  char path[64], text[2 * sizeof triangle_gltf];
+  const char *at = strstr(triangle_gltf, from);
+  assert_non_null(at);
+  snprintf(text, sizeof text, "%.*s%s%s", (int)(at - triangle_gltf), triangle_gltf, to, at + strlen(from));
+  make_path(path, ".gltf");
+  write_text(path, text);
+  scene s;
+  const int code = scene_load(&s, path);
+  scene_free(&s);
+  unlink(path);
+  return code;
+}
+
+/* What Assimp would leave out without a word. */
+static void what_is_not_understood_is_refused(void **state) {
+  (void)state;
+  assert_int_equal(load_changed("\"scene\":0,", ""), 0);
+  assert_int_equal(load_changed("\"scene\":0,", "\"extensionsRequired\":[\"KHR_materials_unlit\"],"), 0);
+  assert_int_equal(load_changed("\"scene\":0,", "\"extensionsRequired\":[\"KHR_draco_mesh_compression\"],"), 2);
+  /* six indices that begin six bytes early, in the positions: 16256, 0, 0 and the triangle's own */
+  assert_int_equal(load_changed("\"count\":3,\"type\":\"SCALAR\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},"
+                                "{\"buffer\":0,\"byteOffset\":36,\"byteLength\":6}]",
+                                "\"count\":6,\"type\":\"SCALAR\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},"
+                                "{\"buffer\":0,\"byteOffset\":30,\"byteLength\":12}]"),
+                   2);
 }
 
 static void broken_gltf_is_refused(void **state) {
@@ -573,6 +602,7 @@ int main(void) {
       cmocka_unit_test(scenes_are_what_they_promise),
       cmocka_unit_test(solids_face_outwards),
       cmocka_unit_test(gltf_is_read),
+      cmocka_unit_test(what_is_not_understood_is_refused),
       cmocka_unit_test(broken_gltf_is_refused),
       cmocka_unit_test(views_are_traced),
       cmocka_unit_test(pfm_has_the_bottom_row_first),
