@@ -269,7 +269,9 @@ int scene_add_gltf(scene *s, const char *path, const double root[16]) {
   int code = 0;
   const struct aiScene *file = aiImportFile(path, aiProcess_Triangulate | aiProcess_JoinIdenticalVertices |
                                                       aiProcess_SortByPType | aiProcess_ValidateDataStructure);
-  if (!file || !file->mRootNode || (file->mFlags & AI_SCENE_FLAGS_INCOMPLETE)) {
+  if (file && file->mNumMeshes == 0) {
+    code = host_fail(HOST_BAD_INPUT, "the scene '%s' is empty: it draws no triangles", path);
+  } else if (!file || !file->mRootNode || (file->mFlags & AI_SCENE_FLAGS_INCOMPLETE)) {
     const char *reason = aiGetErrorString();
     code = host_fail(HOST_BAD_INPUT, "cannot read the scene '%s': %s", path,
                      reason && *reason ? reason : "it is truncated or broken");
