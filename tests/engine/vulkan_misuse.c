@@ -140,7 +140,8 @@ static void frames_are_counted(void **state) {
   vulkan_engine_open(&engine, VULKAN_ENGINE_TYPICAL);
   case_open(&c, &engine);
   c.record.quiet = true;
-  assert_int_equal(csm_retire(c.context, 1), CSM_ERROR_INVALID_VALUE);
+  assert_int_equal(csm_retire(c.context, 1), CSM_SUCCESS); /* the engine had frames without csm */
+  assert_int_equal(render(&c, 1, engine.frames[0].commands), CSM_ERROR_INVALID_VALUE);
   assert_int_equal(resolve(&c, 1, engine.frames[0].commands, NULL, NULL), CSM_ERROR_INVALID_STATE);
   assert_int_equal(render(&c, 1, NULL), CSM_ERROR_NULL_POINTER);
   assert_int_equal(render(&c, 0, engine.frames[0].commands), CSM_ERROR_INVALID_VALUE);
@@ -156,7 +157,6 @@ static void frames_are_counted(void **state) {
   /* The last command buffer is open: what is refused leaves no trace in it. */
   assert_int_equal(render(&c, 40, commands), CSM_ERROR_INVALID_STATE);
   assert_int_equal(resolve(&c, 41, commands, NULL, NULL), CSM_ERROR_INVALID_STATE);
-  assert_int_equal(csm_retire(c.context, 31), CSM_ERROR_INVALID_VALUE);
   assert_int_equal(resolve(&c, 30, commands, NULL, NULL), CSM_SUCCESS);
   csm_read_info read = {.struct_size = sizeof read, .data = drawn.maps[0], .size = sizeof drawn.maps[0]};
   assert_int_equal(csm_read(c.cascades, &read), CSM_ERROR_UNSUPPORTED);
