@@ -65,6 +65,10 @@ for taps in ({}, {"CSM_FILTER_TAPS": "1"}, {"CSM_FILTER_TAPS": "3"}):
     cases[f"HLSL, own names, {label}"] = (hlsl, "frag", {**named, **taps, "CSM_SAMPLER": "compare", "SAMPLER": "compare"})
     cases[f"GLSL, {label}"] = (glsl, "frag", {**usual, **taps})
     cases[f"GLSL, own names, sampler apart, {label}"] = (glsl, "frag", {**named, **taps, "CSM_SAMPLER": "compare"})
+for mode in ("0", "1"):
+    fixed = {**usual, "CSM_BIAS_MODE": mode, "CSM_FILTER_TAPS": "3"}
+    cases[f"HLSL, bias mode {mode}"] = (hlsl, "frag", {**fixed, "SAMPLER": "csm_compare"})
+    cases[f"GLSL, bias mode {mode}"] = (glsl, "frag", fixed)
 cases["GLSL, two suns in a compute shader"] = (compute, "comp", {})
 
 
@@ -95,6 +99,15 @@ def check_layout(text):
     assert f"OpMemberDecorate {block} 0 Offset 0\n" in text, "another offset"
 
 
+def comparisons(is_hlsl, defines):
+    """How many bilinear comparisons and fetches the code should have: a fixed filter or bias leaves the others out."""
+    slope = 0 if defines.get("CSM_BIAS_MODE") == "1" else 1 if "CSM_FILTER_TAPS" in defines else 2
+    plane = 0 if defines.get("CSM_BIAS_MODE") == "0" else 1
+    if is_hlsl:  # glslang puts a function of HLSL where it is called
+        return slope, plane if "CSM_FILTER_TAPS" in defines else 2 * plane
+    return slope + plane, 0
+
+
 failed = 0
 with tempfile.TemporaryDirectory() as scratch:
     for name, (source, stage, defines) in cases.items():
@@ -102,8 +115,8 @@ with tempfile.TemporaryDirectory() as scratch:
             text = compile_case(pathlib.Path(scratch), source, stage, defines)
             if stage == "frag":
                 check_layout(text)
-                branches = len(re.findall("OpImageSampleDref", text))
-                assert branches == (1 if "CSM_FILTER_TAPS" in defines else 2), f"{branches} filters"
+                found = len(re.findall("OpImageSampleDref", text)), len(re.findall("OpImageFetch", text))
+                assert found == comparisons(source is hlsl, defines), f"{found} comparisons and fetches"
         except (RuntimeError, AssertionError) as error:
             failed += 1
             print(f"{name}: {error}")
