@@ -11,8 +11,8 @@ typedef struct bench_engine {
 } bench_engine;
 
 /*
- * Draws `many`'s instances on a device of the host's own through csm_create_info.vulkan, `frames` times after a warm-up.
- * 0, HOST_NO_DEVICE or HOST_BAD_INPUT after a message.
+ * Draws `many`'s instances on a device of the host's own through csm_create_info.vulkan, `frames` times after a
+ * warm-up. 0, HOST_NO_DEVICE or HOST_BAD_INPUT after a message.
  */
 int bench_engine_run(bench_engine *out, const host_setup *setup, const bench_plan *many, const char *device,
                      uint32_t frames);

@@ -48,10 +48,10 @@ static void write_vertices(FILE *file, const scene_mesh *mesh, const double tran
   }
 }
 
-/* Everything is drawn opaque in this version, and the file says how it is drawn. */
-static void write_faces(FILE *file, const scene_mesh *mesh, uint32_t base) {
+static void write_faces(FILE *file, const scene_mesh *mesh, uint32_t base, bool alpha_tested) {
   for (uint32_t i = 0; i < mesh->index_count; i += 3) {
     uint8_t face[1 + 3 * sizeof(int32_t) + 1] = {3};
+    face[sizeof face - 1] = alpha_tested;
     for (uint32_t corner = 0; corner < 3; corner++) {
       const uint32_t index = base + scene_index(mesh, i + corner);
       memcpy(face + 1 + corner * sizeof index, &index, sizeof index);
@@ -79,7 +79,7 @@ int dump_ply(const scene *s, const char *path) {
   uint32_t base = 0;
   for (size_t i = 0; i < s->instance_count; i++) {
     const scene_mesh *mesh = &s->meshes[s->instances[i].mesh];
-    write_faces(file, mesh, base);
+    write_faces(file, mesh, base, scene_cut_out(s, mesh) != NULL);
     base += mesh->vertex_count;
   }
   return finish_writing(file, path);

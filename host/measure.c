@@ -335,7 +335,7 @@ int measure_command(const host_options *options) {
   if (code == 0)
     code = measure_path_load(&m->path, options, &m->setup);
   if (code == 0)
-    code = truth_store_open(&m->store, &m->setup.scene, stage_alpha_test, options->cache);
+    code = truth_store_open(&m->store, &m->setup.scene, true, options->cache);
   if (code == 0)
     code = open_all(m);
   if (code == 0)

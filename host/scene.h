@@ -21,7 +21,7 @@ typedef struct scene_opacity {
 typedef struct scene_material {
   char name[64];
   float color[3];        /* linear, reflected share of light */
-  bool alpha_tested;     /* the file wants it cut out by its texture; it is drawn opaque in this version */
+  bool alpha_tested;     /* the file wants it cut out by its texture */
   scene_opacity opacity; /* where it is alpha-tested */
   bool two_sided;
 } scene_material;
@@ -76,6 +76,8 @@ void scene_add_instance(scene *s, uint32_t mesh, const double transform[16]);
 
 /* Opacity from 0 to 1, bilinear between texels, at a texture coordinate. Precondition: there is a texture. */
 double scene_opacity_at(const scene_opacity *opacity, const double uv[2]);
+/* What cuts a mesh out, or NULL if it is opaque everywhere. */
+const scene_opacity *scene_cut_out(const scene *s, const scene_mesh *mesh);
 
 uint32_t scene_index(const scene_mesh *mesh, uint32_t corner);
 /* Triangles drawn: those of every instance. */

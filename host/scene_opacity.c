@@ -1,6 +1,7 @@
 /* scene_opacity.c: where an alpha-tested surface is. */
 #include "scene.h"
 #include <math.h>
+#include <stddef.h>
 
 static uint32_t wrap(double texel, uint32_t size, scene_wrap mode) {
   if (mode == SCENE_WRAP_CLAMP)
@@ -22,4 +23,10 @@ double scene_opacity_at(const scene_opacity *o, const double uv[2]) {
   const double lower =
       (1.0 - right_share) * texel_at(o, left, top + 1.0) + right_share * texel_at(o, left + 1.0, top + 1.0);
   return o->factor * ((1.0 - low_share) * upper + low_share * lower);
+}
+
+const scene_opacity *scene_cut_out(const scene *s, const scene_mesh *mesh) {
+  const scene_material *material = &s->materials[mesh->material];
+  const bool cut = material->alpha_tested && material->opacity.alpha && mesh->uvs && material->opacity.cutoff > 0.0;
+  return cut ? &material->opacity : NULL;
 }

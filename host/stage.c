@@ -1,11 +1,10 @@
 #include "stage.h"
 #include "host.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define TIMED_FRAMES 3
-
-const bool stage_alpha_test = false;
 
 static void CSM_CALL log_message(void *user, int32_t level, const char *message) {
   const stage *s = user;
@@ -46,14 +45,22 @@ static void describe_device(stage *s, const char *asked) {
     }
 }
 
-static csm_mesh_info describe_mesh(const scene_mesh *mesh) {
-  return (csm_mesh_info){.struct_size = sizeof(csm_mesh_info),
-                         .positions = mesh->positions,
-                         .vertex_count = mesh->vertex_count,
-                         .indices = mesh->indices,
-                         .index_count = mesh->index_count,
-                         .index_size = mesh->index_size,
-                         .name = mesh->name};
+/* `opacity`: of its material, or 0. */
+static csm_mesh_info describe_mesh(const scene *from, const scene_mesh *mesh, csm_opacity opacity) {
+  csm_mesh_info info = {.struct_size = sizeof info,
+                        .positions = mesh->positions,
+                        .vertex_count = mesh->vertex_count,
+                        .indices = mesh->indices,
+                        .index_count = mesh->index_count,
+                        .index_size = mesh->index_size,
+                        .name = mesh->name};
+  const scene_opacity *cut = scene_cut_out(from, mesh);
+  if (cut) {
+    info.opacity = opacity;
+    info.uvs = mesh->uvs;
+    info.alpha_cutoff = (float)fmin(cut->cutoff / cut->factor, 1.0);
+  }
+  return info;
 }
 
 /* The scene stays in memory, so csm need not keep a copy of it for csm_switch_backend. */
@@ -61,7 +68,8 @@ static csm_result CSM_CALL supply_mesh(void *user, csm_mesh mesh, csm_mesh_info 
   const stage *s = user;
   for (size_t m = 0; m < s->setup->scene.mesh_count; m++)
     if (s->meshes[m] == mesh) {
-      *info = describe_mesh(&s->setup->scene.meshes[m]);
+      *info =
+          describe_mesh(&s->setup->scene, &s->setup->scene.meshes[m], s->opacities[s->setup->scene.meshes[m].material]);
       return CSM_SUCCESS;
     }
   return CSM_ERROR_INVALID_HANDLE;
@@ -85,19 +93,45 @@ int stage_open(stage *out, const char *backend, const char *device) {
 void stage_close(stage *s) {
   csm_destroy(s->context);
   free(s->meshes);
+  free(s->opacities);
   free(s->instances);
   *s = (stage){0};
 }
 
+/* A factor that no texel can make up for leaves nothing of the surface. */
+static bool is_empty(const scene_opacity *cut) {
+  return cut->cutoff > cut->factor;
+}
+
+static csm_result upload_opacity(stage *s, const scene_opacity *cut, csm_opacity *out) {
+  static const uint32_t wraps[] = {[SCENE_WRAP_REPEAT] = CSM_WRAP_REPEAT,
+                                   [SCENE_WRAP_MIRROR] = CSM_WRAP_MIRROR,
+                                   [SCENE_WRAP_CLAMP] = CSM_WRAP_CLAMP};
+  static const uint8_t nothing[1] = {0};
+  const csm_opacity_info info = {.struct_size = sizeof info,
+                                 .width = is_empty(cut) ? 1 : cut->width,
+                                 .height = is_empty(cut) ? 1 : cut->height,
+                                 .wrap_u = wraps[cut->wrap[0]],
+                                 .wrap_v = wraps[cut->wrap[1]],
+                                 .texels = is_empty(cut) ? nothing : cut->alpha};
+  return csm_opacity_create(s->context, &info, out);
+}
+
 static int upload_meshes(stage *s, const scene *from) {
+  int code = 0;
   s->meshes = host_allocate(from->mesh_count, sizeof *s->meshes);
-  for (size_t m = 0; m < from->mesh_count; m++) {
-    const csm_mesh_info info = describe_mesh(&from->meshes[m]);
-    const int code = exit_code(csm_mesh_create(s->context, &info, &s->meshes[m]));
-    if (code)
-      return code;
+  s->opacities = host_allocate(from->material_count, sizeof *s->opacities);
+  for (size_t m = 0; m < from->mesh_count && code == 0; m++) {
+    const scene_mesh *mesh = &from->meshes[m];
+    const scene_opacity *cut = scene_cut_out(from, mesh);
+    csm_opacity *opacity = &s->opacities[mesh->material];
+    if (cut && !*opacity)
+      code = exit_code(upload_opacity(s, cut, opacity));
+    const csm_mesh_info info = describe_mesh(from, mesh, *opacity);
+    if (code == 0)
+      code = exit_code(csm_mesh_create(s->context, &info, &s->meshes[m]));
   }
-  return 0;
+  return code;
 }
 
 static void place_instances(stage *s, const scene *from) {

@@ -12,12 +12,10 @@ typedef struct stage {
   csm_context *context;
   csm_cascades *cascades;
   csm_mesh *meshes;
+  csm_opacity *opacities; /* by material; 0: opaque */
   csm_instance *instances;
   csm_frame frame;
 } stage;
-
-/* Whether materials that are alpha-tested are drawn so. */
-extern const bool stage_alpha_test;
 
 /* What one frame left behind, in host memory. */
 typedef struct stage_frame {

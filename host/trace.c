@@ -7,17 +7,40 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A mesh, and what cuts it out: NULL if nothing does. */
+typedef struct cut_mesh {
+  const scene_mesh *mesh;
+  const scene_opacity *opacity;
+} cut_mesh;
+
 typedef struct tracer {
   const scene *scene;
   const camera *camera;
   RTCDevice device;
   RTCScene *meshes; /* one for each mesh */
+  cut_mesh *cuts;   /* likewise */
   RTCScene world;   /* instance i is geometry i; relative to the camera's position */
   camera_rays rays;
   trace_surface *out;
 } tracer;
 
-static RTCScene commit_mesh(RTCDevice device, const scene_mesh *mesh) {
+/* Lets a ray through where a mesh is cut out; the geometry's user data is a cut_mesh. Rays are cast one by one. */
+static void look_through(const struct RTCFilterFunctionNArguments *arguments) {
+  const cut_mesh *cut = arguments->geometryUserPtr;
+  const struct RTCHit *hit = (const struct RTCHit *)arguments->hit;
+  const double weights[3] = {1.0 - hit->u - hit->v, hit->u, hit->v};
+  double uv[2] = {0.0, 0.0};
+  for (uint32_t corner = 0; corner < 3; corner++) {
+    const float *at = cut->mesh->uvs + 2 * (size_t)scene_index(cut->mesh, 3 * hit->primID + corner);
+    uv[0] += weights[corner] * at[0];
+    uv[1] += weights[corner] * at[1];
+  }
+  if (scene_opacity_at(cut->opacity, uv) < cut->opacity->cutoff)
+    arguments->valid[0] = 0;
+}
+
+static RTCScene commit_mesh(RTCDevice device, cut_mesh *cut) {
+  const scene_mesh *mesh = cut->mesh;
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   float *positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float),
                                              mesh->vertex_count);
@@ -27,6 +50,10 @@ static RTCScene commit_mesh(RTCDevice device, const scene_mesh *mesh) {
     memcpy(positions, mesh->positions, 3 * sizeof(float) * (size_t)mesh->vertex_count);
     for (uint32_t i = 0; i < mesh->index_count; i++)
       indices[i] = scene_index(mesh, i);
+  }
+  if (cut->opacity) {
+    rtcSetGeometryUserData(geometry, cut);
+    rtcSetGeometryIntersectFilterFunction(geometry, look_through);
   }
   rtcCommitGeometry(geometry);
   RTCScene committed = rtcNewScene(device);
@@ -55,8 +82,11 @@ static bool build(tracer *t) {
   if (!t->device)
     return false;
   t->meshes = host_allocate(s->mesh_count, sizeof(RTCScene));
-  for (size_t m = 0; m < s->mesh_count; m++)
-    t->meshes[m] = commit_mesh(t->device, &s->meshes[m]);
+  t->cuts = host_allocate(s->mesh_count, sizeof *t->cuts);
+  for (size_t m = 0; m < s->mesh_count; m++) {
+    t->cuts[m] = (cut_mesh){.mesh = &s->meshes[m], .opacity = scene_cut_out(s, &s->meshes[m])};
+    t->meshes[m] = commit_mesh(t->device, &t->cuts[m]);
+  }
   t->world = rtcNewScene(t->device);
   for (uint32_t i = 0; i < s->instance_count; i++)
     attach_instance(t, i);
@@ -71,6 +101,7 @@ static void destroy(tracer *t) {
     if (t->meshes[m])
       rtcReleaseScene(t->meshes[m]);
   free(t->meshes);
+  free(t->cuts);
   if (t->device)
     rtcReleaseDevice(t->device);
 }

@@ -77,18 +77,12 @@ static void find_surfaces(truth_geometry *g) {
 
 /* ---- opacity ---- */
 
-static bool is_cut_out(const scene *s, const scene_instance *instance) {
-  const scene_mesh *mesh = &s->meshes[instance->mesh];
-  const scene_material *material = &s->materials[mesh->material];
-  return material->alpha_tested && material->opacity.alpha && mesh->uvs;
-}
-
 static void find_cut_out(truth_geometry *g) {
   const scene *s = g->scene;
   bool any = false;
   g->cut_out = host_allocate(s->instance_count, sizeof *g->cut_out);
   for (size_t i = 0; i < s->instance_count; i++) {
-    g->cut_out[i] = is_cut_out(s, &s->instances[i]);
+    g->cut_out[i] = scene_cut_out(s, &s->meshes[s->instances[i].mesh]) != NULL;
     any = any || g->cut_out[i];
   }
   if (any)
