@@ -7,6 +7,7 @@
 #include "measure_path.h"
 #include "measure_picture.h"
 #include "output.h"
+#include "truth_frame.h"
 #include <inttypes.h>
 #include <stdlib.h>
 
@@ -16,9 +17,7 @@ typedef struct measurement {
   const host_options *options;
   host_setup setup;
   truth_store store;
-  truth_view view;
-  float *visibility;
-  truth_convergence convergence;
+  truth_frame truth;
   uint32_t count; /* of backends asked for */
   stage stages[HOST_BACKENDS];
   stage_frame frames[HOST_BACKENDS];
@@ -39,43 +38,10 @@ static int open_all(measurement *m) {
   return 0;
 }
 
-/* ---- truth ---- */
-
-/*
- * From inside a wall everything is seen from behind and nothing is lit: its figures would look perfect.
- */
-static int check_outside(const measurement *m) {
-  const size_t pixels = (size_t)m->view.width * m->view.height;
-  for (size_t i = 0; i < pixels; i++)
-    if (!m->view.surfaces[i].behind || m->visibility[i] > 0.0f)
-      return 0;
-  return host_fail(HOST_BAD_INPUT, "the camera is inside a wall: it sees every surface from behind, and none is lit");
-}
-
-static int cast_truth(measurement *m) {
-  const host_setup *setup = &m->setup;
-  const size_t pixels = (size_t)setup->width * setup->height;
-  m->view = (truth_view){.camera = &setup->camera,
-                         .width = setup->width,
-                         .height = setup->height,
-                         .surfaces = host_allocate(pixels, sizeof *m->view.surfaces)};
-  m->visibility = host_allocate(pixels, sizeof *m->visibility);
-  int code = truth_store_view(&m->store, &m->view);
-  if (code == 0)
-    code = truth_store_visibility(&m->store, &m->view, &setup->light, setup->shadow_distance, m->options->sun_samples,
-                                  m->visibility, &m->convergence);
-  return code ? code : check_outside(m);
-}
-
 /* ---- drawing ---- */
 
 static metrics_frame frame_of(const measurement *m, uint32_t i) {
-  return (metrics_frame){.view = &m->view,
-                         .light = &m->setup.light,
-                         .shadow_distance = m->setup.shadow_distance,
-                         .visibility = m->visibility,
-                         .mask = m->frames[i].mask,
-                         .camera_depth = m->frames[i].camera_depth};
+  return truth_frame_against(&m->truth, &m->setup, &m->frames[i]);
 }
 
 static int draw(measurement *m, uint32_t i) {
@@ -109,7 +75,7 @@ static int measure_all(measurement *m) {
 static void print_truth(FILE *to, const measurement *m) {
   const scene_light *light = &m->setup.light;
   if (light->disc_deg > 0.0)
-    fprintf(to, "truth: a sun of %g degrees, %u rays a pixel; ", light->disc_deg, m->convergence.samples);
+    fprintf(to, "truth: a sun of %g degrees, %u rays a pixel; ", light->disc_deg, m->truth.convergence.samples);
   else
     fprintf(to, "truth: a hard sun, one ray a pixel; ");
   if (m->store.cast)
@@ -121,7 +87,8 @@ static void print_truth(FILE *to, const measurement *m) {
     fprintf(to,
             "  convergence over %" PRIu64 " pixels in half-shadow: rms %.5f from a quarter of the rays, %.5f from "
             "half (largest %.4f)\n",
-            m->convergence.pixels, m->convergence.rms_quarter, m->convergence.rms_half, m->convergence.largest_half);
+            m->truth.convergence.pixels, m->truth.convergence.rms_quarter, m->truth.convergence.rms_half,
+            m->truth.convergence.largest_half);
 }
 
 static void print_time(FILE *to, const measurement *m, const char *name, double (*value)(const csm_stats *)) {
@@ -161,16 +128,16 @@ static void print_table(FILE *to, const measurement *m) {
 
 static json_t *truth_to_json(const measurement *m) {
   json_t *object = json_object();
-  json_object_set_new(object, "rays", json_integer(m->convergence.samples));
+  json_object_set_new(object, "rays", json_integer(m->truth.convergence.samples));
   json_object_set_new(object, "cached", json_boolean(m->store.cast == 0));
   json_object_set_new(object, "cast_s", json_real(m->store.cast_ms * 1e-3));
   json_object_set_new(object, "bytes", json_integer((json_int_t)truth_memory(m->store.caster)));
-  if (m->convergence.samples > 1) {
+  if (m->truth.convergence.samples > 1) {
     json_t *convergence = json_object();
-    json_object_set_new(convergence, "pixels", json_integer((json_int_t)m->convergence.pixels));
-    json_object_set_new(convergence, "rms_quarter", json_real(m->convergence.rms_quarter));
-    json_object_set_new(convergence, "rms_half", json_real(m->convergence.rms_half));
-    json_object_set_new(convergence, "largest_half", json_real(m->convergence.largest_half));
+    json_object_set_new(convergence, "pixels", json_integer((json_int_t)m->truth.convergence.pixels));
+    json_object_set_new(convergence, "rms_quarter", json_real(m->truth.convergence.rms_quarter));
+    json_object_set_new(convergence, "rms_half", json_real(m->truth.convergence.rms_half));
+    json_object_set_new(convergence, "largest_half", json_real(m->truth.convergence.largest_half));
     json_object_set_new(object, "convergence", convergence);
   }
   return object;
@@ -234,11 +201,11 @@ static int save_pictures(const measurement *m) {
     return code;
   host_progress("writing pictures");
   image picture;
-  measure_picture_lit(&picture, &m->view, &m->setup.light, m->visibility);
+  measure_picture_lit(&picture, &m->truth.view, &m->setup.light, m->truth.visibility);
   code = save(&picture, m->options->out, "", "truth");
   for (uint32_t i = 0; code == 0 && i < m->count; i++) {
     const metrics_frame frame = frame_of(m, i);
-    measure_picture_lit(&picture, &m->view, &m->setup.light, m->frames[i].mask);
+    measure_picture_lit(&picture, &m->truth.view, &m->setup.light, m->frames[i].mask);
     code = save(&picture, m->options->out, m->stages[i].backend, "drawn");
     measure_picture_errors(&picture, &frame, m->kinds[i]);
     const int last = save(&picture, m->options->out, m->stages[i].backend, "errors");
@@ -312,7 +279,7 @@ static int measure_along_path(measurement *m) {
 
 static int measure_frame(measurement *m) {
   const host_options *options = m->options;
-  int code = cast_truth(m);
+  int code = truth_frame_cast(&m->truth, &m->store, &m->setup, options->sun_samples);
   if (code == 0)
     code = measure_all(m);
   if (code)
@@ -346,8 +313,7 @@ int measure_command(const host_options *options) {
     stage_close(&m->stages[i]);
     free(m->kinds[i]);
   }
-  free(m->view.surfaces);
-  free(m->visibility);
+  truth_frame_free(&m->truth);
   measure_path_free(&m->path);
   truth_store_close(&m->store);
   setup_free(&m->setup);
