@@ -6,31 +6,21 @@
 #define CONTEXT_H
 
 #include "device.h"
+#include "handles.h"
 #include "structs.h"
 
-typedef struct mesh_slot {
-  uint32_t generation; /* of the handle; even: free */
-  uint32_t next_free;
-  csm_mesh_info info; /* its shape; positions and indices point into `copy`, or are NULL */
-  void *copy;
-} mesh_slot;
-
+/* Arrays are by index of the handle. */
 typedef struct mesh_table {
-  mesh_slot *slots;
-  plan_bounds *bounds; /* by slot, as the plan wants them */
-  uint32_t count, capacity, first_free;
+  handle_table handles;
+  csm_mesh_info *infos; /* shapes; positions, uvs and indices point into the copy, or are NULL */
+  void **copies;
+  plan_bounds *bounds; /* as the plan wants them */
 } mesh_table;
 
-typedef struct opacity_slot {
-  uint32_t generation; /* of the handle; even: free */
-  uint32_t next_free;
-  uint32_t users;        /* meshes */
-  csm_opacity_info info; /* texels are the context's copy */
-} opacity_slot;
-
 typedef struct opacity_table {
-  opacity_slot *slots;
-  uint32_t count, capacity, first_free;
+  handle_table handles;
+  csm_opacity_info *infos; /* texels are the context's copy */
+  uint32_t *users;         /* meshes */
 } opacity_table;
 
 struct csm_context {
@@ -74,16 +64,12 @@ csm_result context_grow(csm_context *context, void **memory, size_t *capacity, s
 
 /* ---- meshes.c ---- */
 
-/* Index of a live mesh, or UINT32_MAX. */
-uint32_t meshes_find(const mesh_table *meshes, csm_mesh mesh);
 /* Places every mesh on another device, from copies or what `supply` gives. */
 csm_result meshes_move(csm_context *context, device *to);
 void meshes_destroy(csm_context *context);
 
 /* ---- opacity.c ---- */
 
-/* Index of a live opacity texture, or UINT32_MAX. */
-uint32_t opacities_find(const opacity_table *opacities, csm_opacity opacity);
 /* Makes every texture on another device. */
 csm_result opacities_move(csm_context *context, device *to);
 void opacities_destroy(csm_context *context);

@@ -6,7 +6,8 @@ enum { ring_alignment = 256 };
 static csm_result make_plan(csm_cascades *cascades, const csm_frame *frame, planned *out) {
   csm_context *context = cascades->context;
   const size_t scene = scene_size(frame->instance_count);
-  const size_t lists = plan_memory_size(frame->instance_count, context->meshes.count, cascades->config.cascade_count);
+  const size_t lists =
+      plan_memory_size(frame->instance_count, context->meshes.handles.count, cascades->config.cascade_count);
   csm_result result = context_grow(context, &out->memory, &out->size, scene + lists);
   if (!result)
     result = scene_read(context, frame, out->memory, &out->scene);

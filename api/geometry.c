@@ -255,13 +255,12 @@ static void fill_staging(const csm_mesh_info *info, const layout *layout, char *
 /* The constants and bindings of an alpha-tested mesh, on the programs that it is drawn with. */
 static csm_result add_opacity(device *device, const csm_mesh_info *info, geometry_place *place, pass_mesh *mesh) {
   const csm_context *context = device->context;
-  const uint32_t slot = opacities_find(&context->opacities, info->opacity);
+  const uint32_t slot = handles_find(&context->opacities.handles, info->opacity);
   const gpu_buffer_info constants = {.name = "opacity constants", .kind = GPU_BUFFER_UPLOAD, .size = OPACITY_BLOCK};
   csm_result result = device_buffer(device, &constants, &place->constants);
   if (result)
     return result;
-  opacity_write(device->gpu.api->buffer_memory(place->constants), &context->opacities.slots[slot].info,
-                info->alpha_cutoff);
+  opacity_write(device->gpu.api->buffer_memory(place->constants), &context->opacities.infos[slot], info->alpha_cutoff);
   const gpu_bindings_info reads =
       opacity_inputs(device->programs.cascade[mesh->programs], place->constants, opacity_texture(device, slot));
   result = device_check(device, device->gpu.api->bindings_create(device->gpu.device, &reads, &place->opacity),

@@ -42,7 +42,7 @@ static csm_result make_view(csm_context *context, resolve *r) {
   if (r->info.camera_depth)
     return CSM_SUCCESS;
   const size_t instances = scene_size(r->frame.instance_count);
-  const size_t size = instances + plan_memory_size(r->frame.instance_count, context->meshes.count, 0);
+  const size_t size = instances + plan_memory_size(r->frame.instance_count, context->meshes.handles.count, 0);
   result = context_grow(context, &context->scratch, &context->scratch_size, size);
   if (!result)
     result = scene_read(context, &r->frame, context->scratch, &r->scene);

@@ -3,58 +3,42 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- handles ---- */
+/* ---- the table ---- */
 
-uint32_t meshes_find(const mesh_table *meshes, csm_mesh mesh) {
-  const uint32_t slot = (uint32_t)mesh - 1;
-  return slot < meshes->count && meshes->slots[slot].generation == mesh >> 32 ? slot : UINT32_MAX;
-}
-
-static csm_mesh handle(const mesh_table *meshes, uint32_t index) {
-  return (uint64_t)meshes->slots[index].generation << 32 | (index + 1);
-}
-
-static bool live(const mesh_slot *slot) {
-  return slot->generation % 2;
+static void *grow_array(csm_context *context, const void *old, uint32_t count, uint32_t capacity, size_t size) {
+  void *grown = context_allocate(context, capacity * size);
+  if (grown && count)
+    memcpy(grown, old, count * size);
+  return grown;
 }
 
 static csm_result grow(csm_context *context) {
   mesh_table *meshes = &context->meshes;
-  const uint32_t capacity = meshes->capacity ? meshes->capacity * 2 : 64;
-  csm_result result = geometry_reserve(context->device, capacity);
-  mesh_slot *slots = result ? NULL : context_allocate(context, capacity * sizeof *slots);
-  plan_bounds *bounds = slots ? context_allocate(context, capacity * sizeof *bounds) : NULL;
-  if (!bounds) {
-    context_release(context, slots);
+  const uint32_t count = meshes->handles.count, capacity = handles_grown(&meshes->handles, 64);
+  const csm_result result = geometry_reserve(context->device, capacity);
+  if (result)
+    return result;
+  handle_place *places = context_allocate(context, capacity * sizeof *places);
+  csm_mesh_info *infos = grow_array(context, meshes->infos, count, capacity, sizeof *infos);
+  void **copies = grow_array(context, meshes->copies, count, capacity, sizeof *copies);
+  plan_bounds *bounds = grow_array(context, meshes->bounds, count, capacity, sizeof *bounds);
+  const bool made = places && infos && copies && bounds;
+  context_release(context, made ? handles_grow(&meshes->handles, places, capacity) : places);
+  context_release(context, made ? meshes->infos : infos);
+  context_release(context, made ? meshes->copies : copies);
+  context_release(context, made ? meshes->bounds : bounds);
+  if (!made)
     return CSM_ERROR_OUT_OF_MEMORY;
-  }
-  if (meshes->count) {
-    memcpy(slots, meshes->slots, meshes->count * sizeof *slots);
-    memcpy(bounds, meshes->bounds, meshes->count * sizeof *bounds);
-  }
-  context_release(context, meshes->slots);
-  context_release(context, meshes->bounds);
-  meshes->slots = slots;
+  meshes->infos = infos;
+  meshes->copies = copies;
   meshes->bounds = bounds;
-  meshes->capacity = capacity;
   return CSM_SUCCESS;
 }
 
-/* Names a free slot without taking it, so that what may still fail changes nothing. */
-static csm_result slot_find(csm_context *context, uint32_t *index) {
-  mesh_table *meshes = &context->meshes;
-  *index = meshes->first_free ? meshes->first_free - 1 : meshes->count;
-  return *index < meshes->capacity ? CSM_SUCCESS : grow(context);
-}
-
-static mesh_slot *slot_take(mesh_table *meshes, uint32_t index) {
-  mesh_slot *slot = &meshes->slots[index];
-  if (meshes->first_free)
-    meshes->first_free = slot->next_free;
-  else
-    ++meshes->count;
-  ++slot->generation;
-  return slot;
+/* Names a free place without taking it, so that what may still fail changes nothing. */
+static csm_result find_place(csm_context *context, uint32_t *index) {
+  *index = handles_next(&context->meshes.handles);
+  return *index < context->meshes.handles.capacity ? CSM_SUCCESS : grow(context);
 }
 
 /* ---- checks ---- */
@@ -132,7 +116,7 @@ static csm_result check_opacity(const device *device, csm_mesh_info *info, bool 
     return CSM_SUCCESS;
   if (!info->uv_stride)
     info->uv_stride = 2 * sizeof(float);
-  if (opacities_find(&context->opacities, info->opacity) == UINT32_MAX)
+  if (handles_find(&context->opacities.handles, info->opacity) == UINT32_MAX)
     return context_fail(context, CSM_ERROR_INVALID_HANDLE, "the mesh's opacity %llx does not exist",
                         (unsigned long long)info->opacity);
   if (!(info->alpha_cutoff > 0 && info->alpha_cutoff <= 1))
@@ -225,7 +209,7 @@ static csm_mesh_info kept_info(const csm_mesh_info *info, const char *copy) {
 /* Counts a mesh among the users of its opacity, or no longer. */
 static void use_opacity(csm_context *context, const csm_mesh_info *info, int change) {
   if (info->opacity)
-    context->opacities.slots[opacities_find(&context->opacities, info->opacity)].users += (uint32_t)change;
+    context->opacities.users[handles_find(&context->opacities.handles, info->opacity)] += (uint32_t)change;
 }
 
 csm_result CSM_CALL csm_mesh_create(csm_context *context, const csm_mesh_info *info, csm_mesh *mesh) {
@@ -245,7 +229,7 @@ csm_result CSM_CALL csm_mesh_create(csm_context *context, const csm_mesh_info *i
   if (!result)
     result = check_mesh(context->device, &own, &bounds);
   if (!result)
-    result = slot_find(context, &index);
+    result = find_place(context, &index);
   if (!result)
     result = keep(context, &own, &copy);
   if (!result)
@@ -254,12 +238,12 @@ csm_result CSM_CALL csm_mesh_create(csm_context *context, const csm_mesh_info *i
     context_release(context, copy);
     return result;
   }
-  mesh_slot *slot = slot_take(&context->meshes, index);
-  slot->copy = copy;
-  slot->info = kept_info(&own, copy);
+  mesh_table *meshes = &context->meshes;
+  meshes->copies[index] = copy;
+  meshes->infos[index] = kept_info(&own, copy);
+  meshes->bounds[index] = bounds;
   use_opacity(context, &own, 1);
-  context->meshes.bounds[index] = bounds;
-  *mesh = handle(&context->meshes, index);
+  *mesh = handles_take(&meshes->handles);
   return CSM_SUCCESS;
 }
 
@@ -270,25 +254,22 @@ csm_result CSM_CALL csm_mesh_destroy(csm_context *context, csm_mesh mesh) {
   if (result)
     return result;
   mesh_table *meshes = &context->meshes;
-  const uint32_t index = meshes_find(meshes, mesh);
+  const uint32_t index = handles_find(&meshes->handles, mesh);
   if (index == UINT32_MAX)
     return context_fail(context, CSM_ERROR_INVALID_HANDLE, "mesh %llx does not exist", (unsigned long long)mesh);
   geometry_remove(context->device, index);
-  mesh_slot *slot = &meshes->slots[index];
-  use_opacity(context, &slot->info, -1);
-  context_release(context, slot->copy);
-  slot->copy = NULL;
-  ++slot->generation;
-  slot->next_free = meshes->first_free;
-  meshes->first_free = index + 1;
+  use_opacity(context, &meshes->infos[index], -1);
+  context_release(context, meshes->copies[index]);
+  meshes->copies[index] = NULL;
+  handles_free(&meshes->handles, index);
   return CSM_SUCCESS;
 }
 
 /* ---- moving to another device ---- */
 
 static csm_result supply(csm_context *context, uint32_t index, csm_mesh_info *out) {
-  const csm_mesh mesh = handle(&context->meshes, index);
-  const csm_mesh_info *kept = &context->meshes.slots[index].info;
+  const csm_mesh mesh = handles_at(&context->meshes.handles, index);
+  const csm_mesh_info *kept = &context->meshes.infos[index];
   if (!context->supply)
     return context_fail(context, CSM_ERROR_INVALID_STATE,
                         "mesh %llx has no copy (CSM_CREATE_KEEP_GEOMETRY) and there is no supply callback",
@@ -309,11 +290,11 @@ static csm_result supply(csm_context *context, uint32_t index, csm_mesh_info *ou
 
 csm_result meshes_move(csm_context *context, device *to) {
   const mesh_table *meshes = &context->meshes;
-  csm_result result = geometry_reserve(to, meshes->capacity);
-  for (uint32_t i = 0; i < meshes->count && !result; ++i) {
-    if (!live(&meshes->slots[i]))
+  csm_result result = geometry_reserve(to, meshes->handles.capacity);
+  for (uint32_t i = 0; i < meshes->handles.count && !result; ++i) {
+    if (!handles_live(&meshes->handles, i))
       continue;
-    csm_mesh_info info = meshes->slots[i].info;
+    csm_mesh_info info = meshes->infos[i];
     plan_bounds bounds;
     if (!info.positions) {
       result = supply(context, i, &info);
@@ -328,8 +309,10 @@ csm_result meshes_move(csm_context *context, device *to) {
 
 void meshes_destroy(csm_context *context) {
   mesh_table *meshes = &context->meshes;
-  for (uint32_t i = 0; i < meshes->count; ++i)
-    context_release(context, meshes->slots[i].copy);
-  context_release(context, meshes->slots);
+  for (uint32_t i = 0; i < meshes->handles.count; ++i)
+    context_release(context, meshes->copies[i]);
+  context_release(context, meshes->handles.places);
+  context_release(context, meshes->infos);
+  context_release(context, meshes->copies);
   context_release(context, meshes->bounds);
 }

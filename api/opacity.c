@@ -127,11 +127,6 @@ void opacity_destroy(device *device) {
 
 /* ---- in a context ---- */
 
-uint32_t opacities_find(const opacity_table *opacities, csm_opacity opacity) {
-  const uint32_t slot = (uint32_t)opacity - 1;
-  return slot < opacities->count && opacities->slots[slot].generation == opacity >> 32 ? slot : UINT32_MAX;
-}
-
 static csm_result check_info(csm_context *context, csm_opacity_info *info) {
   if (!info->texels)
     return context_fail(context, CSM_ERROR_NULL_POINTER, "csm_opacity_info: texels is NULL");
@@ -148,23 +143,37 @@ static csm_result check_info(csm_context *context, csm_opacity_info *info) {
                : CSM_SUCCESS;
 }
 
-/* Names a free slot without taking it. */
-static csm_result slot_find(csm_context *context, uint32_t *index) {
+static csm_result grow(csm_context *context) {
   opacity_table *opacities = &context->opacities;
-  *index = opacities->first_free ? opacities->first_free - 1 : opacities->count;
-  if (*index < opacities->capacity)
-    return CSM_SUCCESS;
-  const uint32_t capacity = opacities->capacity ? opacities->capacity * 2 : 16;
+  const uint32_t count = opacities->handles.count, capacity = handles_grown(&opacities->handles, 16);
   const csm_result result = opacity_reserve(context->device, capacity);
-  opacity_slot *slots = result ? NULL : context_allocate(context, capacity * sizeof *slots);
-  if (!slots)
+  if (result)
+    return result;
+  handle_place *places = context_allocate(context, capacity * sizeof *places);
+  csm_opacity_info *infos = context_allocate(context, capacity * sizeof *infos);
+  uint32_t *users = context_allocate(context, capacity * sizeof *users);
+  if (!places || !infos || !users) {
+    context_release(context, places);
+    context_release(context, infos);
+    context_release(context, users);
     return CSM_ERROR_OUT_OF_MEMORY;
-  if (opacities->count)
-    memcpy(slots, opacities->slots, opacities->count * sizeof *slots);
-  context_release(context, opacities->slots);
-  opacities->slots = slots;
-  opacities->capacity = capacity;
+  }
+  if (count) {
+    memcpy(infos, opacities->infos, count * sizeof *infos);
+    memcpy(users, opacities->users, count * sizeof *users);
+  }
+  context_release(context, handles_grow(&opacities->handles, places, capacity));
+  context_release(context, opacities->infos);
+  context_release(context, opacities->users);
+  opacities->infos = infos;
+  opacities->users = users;
   return CSM_SUCCESS;
+}
+
+/* Names a free place without taking it. */
+static csm_result find_place(csm_context *context, uint32_t *index) {
+  *index = handles_next(&context->opacities.handles);
+  return *index < context->opacities.handles.capacity ? CSM_SUCCESS : grow(context);
 }
 
 static csm_result keep(csm_context *context, const csm_opacity_info *info, csm_opacity_info *kept) {
@@ -195,7 +204,7 @@ csm_result CSM_CALL csm_opacity_create(csm_context *context, const csm_opacity_i
   if (!result)
     result = check_info(context, &own);
   if (!result)
-    result = slot_find(context, &index);
+    result = find_place(context, &index);
   if (!result)
     result = keep(context, &own, &kept);
   if (result)
@@ -206,15 +215,9 @@ csm_result CSM_CALL csm_opacity_create(csm_context *context, const csm_opacity_i
     return result;
   }
   opacity_table *opacities = &context->opacities;
-  opacity_slot *slot = &opacities->slots[index];
-  if (opacities->first_free)
-    opacities->first_free = slot->next_free;
-  else
-    ++opacities->count;
-  ++slot->generation;
-  slot->info = kept;
-  slot->users = 0;
-  *opacity = (uint64_t)slot->generation << 32 | (index + 1);
+  opacities->infos[index] = kept;
+  opacities->users[index] = 0;
+  *opacity = handles_take(&opacities->handles);
   return CSM_SUCCESS;
 }
 
@@ -225,34 +228,33 @@ csm_result CSM_CALL csm_opacity_destroy(csm_context *context, csm_opacity opacit
   if (result)
     return result;
   opacity_table *opacities = &context->opacities;
-  const uint32_t index = opacities_find(opacities, opacity);
+  const uint32_t index = handles_find(&opacities->handles, opacity);
   if (index == UINT32_MAX)
     return context_fail(context, CSM_ERROR_INVALID_HANDLE, "opacity %llx does not exist", (unsigned long long)opacity);
-  opacity_slot *slot = &opacities->slots[index];
-  if (slot->users)
-    return context_fail(context, CSM_ERROR_INVALID_STATE, "%u meshes use opacity %llx still", slot->users,
+  if (opacities->users[index])
+    return context_fail(context, CSM_ERROR_INVALID_STATE, "%u meshes use opacity %llx still", opacities->users[index],
                         (unsigned long long)opacity);
   opacity_remove(context->device, index);
-  context_release(context, (void *)slot->info.texels);
-  slot->info.texels = NULL;
-  ++slot->generation;
-  slot->next_free = opacities->first_free;
-  opacities->first_free = index + 1;
+  context_release(context, (void *)opacities->infos[index].texels);
+  opacities->infos[index].texels = NULL;
+  handles_free(&opacities->handles, index);
   return CSM_SUCCESS;
 }
 
 csm_result opacities_move(csm_context *context, device *to) {
   const opacity_table *opacities = &context->opacities;
-  csm_result result = opacity_reserve(to, opacities->capacity);
-  for (uint32_t i = 0; i < opacities->count && !result; ++i)
-    if (opacities->slots[i].generation % 2)
-      result = opacity_add(to, i, &opacities->slots[i].info);
+  csm_result result = opacity_reserve(to, opacities->handles.capacity);
+  for (uint32_t i = 0; i < opacities->handles.count && !result; ++i)
+    if (handles_live(&opacities->handles, i))
+      result = opacity_add(to, i, &opacities->infos[i]);
   return result;
 }
 
 void opacities_destroy(csm_context *context) {
   opacity_table *opacities = &context->opacities;
-  for (uint32_t i = 0; i < opacities->count; ++i)
-    context_release(context, (void *)opacities->slots[i].info.texels);
-  context_release(context, opacities->slots);
+  for (uint32_t i = 0; i < opacities->handles.count; ++i)
+    context_release(context, (void *)opacities->infos[i].texels);
+  context_release(context, opacities->handles.places);
+  context_release(context, opacities->infos);
+  context_release(context, opacities->users);
 }

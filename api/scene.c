@@ -30,7 +30,7 @@ csm_result frame_read(csm_context *context, const csm_frame *in, csm_frame *out)
 static csm_result instance_read(csm_context *context, uint32_t index, const csm_instance *in, plan_instance *out) {
   if (in->flags)
     return context_fail(context, CSM_ERROR_INVALID_VALUE, "instance %u: unknown flags %x", index, in->flags);
-  const uint32_t mesh = meshes_find(&context->meshes, in->mesh);
+  const uint32_t mesh = handles_find(&context->meshes.handles, in->mesh);
   if (mesh == UINT32_MAX)
     return context_fail(context, CSM_ERROR_INVALID_HANDLE, "instance %u: mesh %llx does not exist", index,
                         (unsigned long long)in->mesh);
@@ -68,6 +68,6 @@ csm_result scene_read(csm_context *context, const csm_frame *frame, void *memory
   *scene = (plan_scene){.instances = instances,
                         .instance_count = frame->instance_count,
                         .meshes = context->meshes.bounds,
-                        .mesh_count = context->meshes.count};
+                        .mesh_count = context->meshes.handles.count};
   return CSM_SUCCESS;
 }
