@@ -295,7 +295,7 @@ typedef struct gpu_backend {
   /* Waits for the slot's last recording. Own device only. Errors: DEVICE_LOST. */
   csm_result (*wait)(gpu_device *device, uint32_t slot);
   /* Reads `count` timestamps of the slot's finished recordings from index `first` on, in nanoseconds. Errors:
-     DEVICE_LOST. */
+     DEVICE_LOST, UNSUPPORTED (the queue has none). */
   csm_result (*timestamps)(gpu_device *device, uint32_t slot, uint32_t first, uint32_t count, uint64_t *nanoseconds);
 } gpu_backend;
 
