@@ -201,9 +201,6 @@ void d3d12_validation_close(d3d12_driver *driver);
 
 /* ---- engine.c: what an engine gives ---- */
 
-/* Copies an engine's struct, which begins with struct_size, into `out`; what is missing is zero. Errors: NULL_POINTER,
-   STRUCT_SIZE. */
-csm_result d3d12_read_struct(void *out, uint32_t size, const void *in);
 /* Tells what an engine must bring. */
 void d3d12_requirements(gpu_device_info *out);
 /* Takes a reference to the engine's device and describes it. Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE,

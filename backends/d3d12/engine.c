@@ -1,27 +1,8 @@
 /* engine.c: what an engine gives: its device, its images, its buffers. Each is held by a reference of csm's own. */
 #include "csm/csm_d3d12.h"
+#include "../structs.h"
 #include "d3d12.h"
 #include <string.h>
-
-/* No later version of a struct grows by more: a larger size is garbage, and its tail must not be read. */
-enum { LARGEST_TAIL = 4096 };
-
-csm_result d3d12_read_struct(void *out, uint32_t size, const void *in) {
-  uint32_t given;
-  if (!in)
-    return CSM_ERROR_NULL_POINTER;
-  memcpy(&given, in, sizeof given);
-  if (given < sizeof given || given % 4 || given > size + LARGEST_TAIL)
-    return CSM_ERROR_STRUCT_SIZE;
-  const unsigned char *bytes = in;
-  for (uint32_t i = size; i < given; ++i)
-    if (bytes[i])
-      return CSM_ERROR_STRUCT_SIZE;
-  const uint32_t common = given < size ? given : size;
-  memcpy(out, in, common);
-  memset((unsigned char *)out + common, 0, size - common);
-  return CSM_SUCCESS;
-}
 
 /* ---- the device ---- */
 
@@ -66,7 +47,7 @@ static void describe(ID3D12Device *device, gpu_device_info *out) {
 csm_result d3d12_engine_open(const gpu_open_info *info, ID3D12Device **device, d3d12_serializer *serialize,
                              gpu_device_info *out) {
   csm_d3d12_device given;
-  const csm_result result = d3d12_read_struct(&given, sizeof given, info->native);
+  const csm_result result = struct_read(&given, sizeof given, info->native);
   if (result != CSM_SUCCESS)
     return d3d12_refuse(info, result, "csm_d3d12_device: struct_size is wrong");
   if (given.reserved)
@@ -147,7 +128,7 @@ csm_result d3d12_image_import(gpu_device *device, const void *native, gpu_image 
   static const char name[] = "csm_d3d12_image";
   csm_d3d12_image given;
   *out = NULL;
-  const csm_result result = d3d12_read_struct(&given, sizeof given, native);
+  const csm_result result = struct_read(&given, sizeof given, native);
   if (result != CSM_SUCCESS)
     return refuse(device, result, name, "struct_size is wrong");
   if (!given.resource)
@@ -199,7 +180,7 @@ static const char *buffer_fault(ID3D12Resource *resource, uint64_t offset) {
 csm_result d3d12_geometry_import(gpu_device *device, const void *native, gpu_geometry *out) {
   static const char name[] = "csm_d3d12_mesh";
   csm_d3d12_mesh given;
-  csm_result result = d3d12_read_struct(&given, sizeof given, native);
+  csm_result result = struct_read(&given, sizeof given, native);
   *out = (gpu_geometry){0};
   if (result != CSM_SUCCESS)
     return refuse(device, result, name, "struct_size is wrong");

@@ -1,7 +1,7 @@
 /* engine.c: an engine's device, and its images and buffers. They are used, never owned. */
 #include "internal.h"
 
-#include "../../api/structs.h"
+#include "../structs.h"
 #include "csm/csm_vulkan.h"
 
 #include <string.h>

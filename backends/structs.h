@@ -1,4 +1,5 @@
-/* structs.h: reading and writing the caller's structs, whose size tells which version of the header they come from. */
+/* structs.h: for the front and for backends: reading and writing the caller's structs, whose size tells which version
+ * of the header they come from. */
 #ifndef STRUCTS_H
 #define STRUCTS_H
 
