@@ -14,6 +14,7 @@ static void *CSM_CALL count_allocate(void *user, size_t size, size_t alignment) 
   if (record->allocations_left > 0)
     --record->allocations_left;
   ++record->blocks;
+  ++record->allocations;
   return aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
 }
 

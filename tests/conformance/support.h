@@ -19,6 +19,7 @@ typedef struct record {
   uint32_t warnings;
   bool quiet;               /* errors are expected: do not print them */
   int64_t blocks;           /* live */
+  uint64_t allocations;     /* made so far */
   int64_t allocations_left; /* then allocation fails; negative: never */
 } record;
 
