@@ -4,6 +4,7 @@
 #include "measure.h"
 #include "options.h"
 #include "output.h"
+#include "report.h"
 #include "run.h"
 #include "view.h"
 
@@ -24,6 +25,8 @@ int main(int count, char **arguments) {
     return measure_command(&options);
   case COMMAND_BENCH:
     return bench_command(&options);
+  case COMMAND_REPORT:
+    return report_command(&options);
   case COMMAND_VIEW:
     return view_command(&options);
   }

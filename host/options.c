@@ -17,11 +17,13 @@ static const char help[] =
     "  csm-host run    [options]   draw one frame on each backend, compare, write pictures\n"
     "  csm-host measure [options]  draw one frame on each backend, and measure it against the truth\n"
     "  csm-host bench  [options]   time the depth pass of each backend against a bare loop, in turn\n"
+    "  csm-host report [options]   sweep configurations: a page on error against time, DIR/report.html and .json\n"
     "  csm-host view   [options]   fly through the scene in a window; H there tells the keys\n"
     "  csm-host config             every key of a configuration with its unit, range and default, as JSON\n"
     "  csm-host --help\n"
     "\n"
-    "  --scene NAME|FILE           valley (default), town, oaks, or a .gltf or .glb file\n"
+    "  --scene NAME|FILE           valley (default), town, oaks, or a .gltf or .glb file; report: any number of them,\n"
+    "                              one --scene each; if none is named, valley, town and, where they are there, oaks\n"
     "  --camera px,py,pz:tx,ty,tz:vfov_deg[:near:far]   or a JSON file like a dump's frame.json\n"
     "  --light x,y,z[:disc_deg]    the way the light travels, and the sun's apparent diameter\n"
     "  --shadow-distance m         view depth up to which shadows matter\n"
@@ -35,12 +37,15 @@ static const char help[] =
     "                              differ, the second one's pictures lie beside them, with its name before each\n"
     "  --json FILE|-               the numbers as JSON\n"
     "  --dump DIR                  geometry, matrices, maps and masks of each backend\n"
-    "  --cache DIR                 measure: where truths are kept; $XDG_CACHE_HOME/csm or ~/.cache/csm\n"
+    "  --cache DIR                 measure, report: where truths are kept; $XDG_CACHE_HOME/csm or ~/.cache/csm\n"
     "  --camera-path FILE          measure: a JSON list of cameras, each as --camera takes them (text, or an object\n"
     "                              like frame.json's), drawn one after the other\n"
     "  --light-path FILE           measure: likewise, of lights\n"
-    "  --sun-samples N             measure: rays to a soft sun for each pixel, 4 to 4096; 256\n"
-    "  --quick                     bench: 5 pairs instead of 31\n"
+    "  --sun-samples N             measure, report: rays to a soft sun for each pixel, 4 to 4096; 256\n"
+    "  --quick                     bench, report: 5 pairs instead of 31; report: 1, 2 and 4 maps of 512 to 2048\n"
+    "  --cascades LIST             report: numbers of maps; 1,2,3,4,5,6,7,8\n"
+    "  --resolutions LIST          report: texels a side; 512,1024,2048,4096\n"
+    "  --minutes M                 report: draws again for times only while that ends in M minutes\n"
     "  --frames N --keys TEXT      view: N frames, a key of TEXT pressed in each ('.' is none); saves view.png\n"
     "\n"
     "Exit codes: 0 the backends agree, 1 they differ, 2 bad input, 3 no device or backend.\n";
@@ -119,6 +124,49 @@ static int parse_sun_samples(host_options *out, const char *value) {
   return 0;
 }
 
+static int parse_scene(host_options *out, const char *value) {
+  if (out->scene_count == OPTIONS_MAX_SCENES)
+    return host_fail(HOST_BAD_INPUT, "--scene: more than %d scenes", OPTIONS_MAX_SCENES);
+  out->scene = value;
+  out->scenes[out->scene_count++] = value;
+  return 0;
+}
+
+static bool add_once(options_list *list, uint32_t value) {
+  for (uint32_t i = 0; i < list->count; i++)
+    if (list->values[i] == value)
+      return false;
+  list->values[list->count++] = value;
+  return true;
+}
+
+static int parse_list(options_list *out, const char *name, const char *value, uint32_t minimum, uint32_t maximum) {
+  double numbers[OPTIONS_MAX_LIST];
+  const uint32_t count = parse_numbers(value, ',', numbers, OPTIONS_MAX_LIST);
+  bool good = count > 0;
+  *out = (options_list){0};
+  for (uint32_t i = 0; good && i < count; i++)
+    good = numbers[i] == floor(numbers[i]) && numbers[i] >= minimum && numbers[i] <= maximum &&
+           add_once(out, (uint32_t)numbers[i]);
+  return good ? 0
+              : host_fail(HOST_BAD_INPUT, "%s: not up to %d different whole numbers from %u to %u, with commas: '%s'",
+                          name, OPTIONS_MAX_LIST, minimum, maximum, value);
+}
+
+static int parse_cascades(host_options *out, const char *value) {
+  return parse_list(&out->cascades, "--cascades", value, 1, CSM_MAX_CASCADES);
+}
+
+static int parse_resolutions(host_options *out, const char *value) {
+  return parse_list(&out->resolutions, "--resolutions", value, 16, 16384);
+}
+
+static int parse_minutes(host_options *out, const char *value) {
+  if (!parse_number(value, &out->minutes) || !(out->minutes > 0.0))
+    return host_fail(HOST_BAD_INPUT, "--minutes: not a positive number: '%s'", value);
+  return 0;
+}
+
 /* An option that keeps its text, or one with a function that understands it. */
 typedef struct option {
   const char *name;
@@ -127,7 +175,7 @@ typedef struct option {
 } option;
 
 static int parse_option(host_options *out, const char *name, const char *value) {
-  const option known[] = {{"--scene", NULL, &out->scene},
+  const option known[] = {{"--scene", parse_scene, NULL},
                           {"--camera", NULL, &out->camera_text},
                           {"--light", parse_light, NULL},
                           {"--shadow-distance", parse_shadow_distance, NULL},
@@ -143,6 +191,9 @@ static int parse_option(host_options *out, const char *name, const char *value) 
                           {"--camera-path", NULL, &out->camera_path},
                           {"--light-path", NULL, &out->light_path},
                           {"--sun-samples", parse_sun_samples, NULL},
+                          {"--cascades", parse_cascades, NULL},
+                          {"--resolutions", parse_resolutions, NULL},
+                          {"--minutes", parse_minutes, NULL},
                           {"--frames", parse_frames, NULL},
                           {"--keys", NULL, &out->keys}};
   for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
@@ -159,19 +210,25 @@ static int parse_option(host_options *out, const char *name, const char *value) 
 }
 
 static int parse_command(host_options *out, const char *name) {
-  static const char *const names[] = {[COMMAND_CONFIG] = "config",
-                                      [COMMAND_RUN] = "run",
-                                      [COMMAND_MEASURE] = "measure",
-                                      [COMMAND_BENCH] = "bench",
-                                      [COMMAND_VIEW] = "view"};
+  static const char *const names[] = {
+      [COMMAND_CONFIG] = "config", [COMMAND_RUN] = "run",       [COMMAND_MEASURE] = "measure",
+      [COMMAND_BENCH] = "bench",   [COMMAND_REPORT] = "report", [COMMAND_VIEW] = "view"};
   for (int i = COMMAND_CONFIG; i <= COMMAND_VIEW; i++)
     if (strcmp(name, names[i]) == 0) {
       out->command = (host_command)i;
       return 0;
     }
-  if (strcmp(name, "report") == 0)
-    return host_fail(HOST_BAD_INPUT, "'%s' is not in this version", name);
-  return host_fail(HOST_BAD_INPUT, "unknown command '%s' (run, measure, bench, view, config, --help)", name);
+  return host_fail(HOST_BAD_INPUT, "unknown command '%s' (run, measure, bench, report, view, config, --help)", name);
+}
+
+/* What a report sweeps if nothing else is said. */
+static void complete_sweep(host_options *out) {
+  static const options_list cascades[] = {{{1, 2, 3, 4, 5, 6, 7, 8}, 8}, {{1, 2, 4}, 3}};
+  static const options_list resolutions[] = {{{512, 1024, 2048, 4096}, 4}, {{512, 1024, 2048}, 3}};
+  if (out->cascades.count == 0)
+    out->cascades = cascades[out->quick];
+  if (out->resolutions.count == 0)
+    out->resolutions = resolutions[out->quick];
 }
 
 int options_parse(host_options *out, int count, char **arguments) {
@@ -181,7 +238,9 @@ int options_parse(host_options *out, int count, char **arguments) {
                         .backends = {true, true},
                         .out = "out",
                         .sun_samples = 256,
-                        .keys = ""};
+                        .keys = "",
+                        .arguments = arguments,
+                        .argument_count = count};
   for (int i = 1; i < count; i++)
     if (strcmp(arguments[i], "--help") == 0 || strcmp(arguments[i], "-h") == 0)
       return 0;
@@ -198,6 +257,7 @@ int options_parse(host_options *out, int count, char **arguments) {
     code = parse_option(out, arguments[i], i + 1 < count ? arguments[i + 1] : NULL);
     i++;
   }
+  complete_sweep(out);
   return code;
 }
 

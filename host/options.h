@@ -14,10 +14,19 @@ typedef enum host_command {
   COMMAND_RUN,
   COMMAND_MEASURE,
   COMMAND_BENCH,
+  COMMAND_REPORT,
   COMMAND_VIEW
 } host_command;
 
 #define HOST_BACKENDS 2
+#define OPTIONS_MAX_SCENES 16
+#define OPTIONS_MAX_LIST 16
+
+/* Whole numbers, each once. */
+typedef struct options_list {
+  uint32_t values[OPTIONS_MAX_LIST];
+  uint32_t count;
+} options_list;
 
 typedef struct host_options {
   host_command command;
@@ -27,18 +36,24 @@ typedef struct host_options {
   scene_light light;
   double shadow_distance;
   uint32_t width, height;
-  const char *config_file;              /* NULL: the default configuration */
-  bool backends[HOST_BACKENDS];         /* which of host_backend_names */
-  const char *device;                   /* part of a device's name, or NULL */
-  const char *out;                      /* folder for pictures */
-  const char *json;                     /* file, "-" for stdout, or NULL */
-  const char *dump;                     /* folder, or NULL */
-  const char *cache;                    /* folder for truths, or NULL: the user's own */
-  const char *camera_path, *light_path; /* files, or NULL */
-  uint32_t sun_samples;                 /* rays to a soft sun, for each pixel */
-  bool quick;                           /* bench: fewer pairs */
-  uint32_t frames;                      /* view: how many before it ends by itself; 0: until it is closed */
-  const char *keys;                     /* view: pressed by themselves, one a frame; "" for none */
+  const char *config_file;                /* NULL: the default configuration */
+  bool backends[HOST_BACKENDS];           /* which of host_backend_names */
+  const char *device;                     /* part of a device's name, or NULL */
+  const char *out;                        /* folder for pictures */
+  const char *json;                       /* file, "-" for stdout, or NULL */
+  const char *dump;                       /* folder, or NULL */
+  const char *cache;                      /* folder for truths, or NULL: the user's own */
+  const char *camera_path, *light_path;   /* files, or NULL */
+  uint32_t sun_samples;                   /* rays to a soft sun, for each pixel */
+  bool quick;                             /* bench, report: fewer pairs */
+  const char *scenes[OPTIONS_MAX_SCENES]; /* report: all that were named */
+  uint32_t scene_count;
+  options_list cascades, resolutions; /* report: what is swept */
+  double minutes;                     /* report: when to stop drawing again; 0: when there are pairs enough */
+  char **arguments;                   /* the command line itself */
+  int argument_count;
+  uint32_t frames;  /* view: how many before it ends by itself; 0: until it is closed */
+  const char *keys; /* view: pressed by themselves, one a frame; "" for none */
 } host_options;
 
 extern const char *const host_backend_names[HOST_BACKENDS];
