@@ -107,7 +107,9 @@ static void bad_options_are_refused(void **state) {
                                 {"measure", "--sun-samples", "3"},
                                 {"measure", "--sun-samples", "8.5"},
                                 {"measure", "--sun-samples", "99999"},
-                                {"report"}};
+                                {"report", "--cascades", "9"},
+                                {"report", "--resolutions", "1024,1024"},
+                                {"report", "--minutes", "0"}};
   for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
     assert_int_equal(parse(&o, (const char *const[]){bad[i][0], bad[i][1], bad[i][2], NULL}), 2);
   assert_int_equal(parse(&o, (const char *const[]){NULL}), 2);

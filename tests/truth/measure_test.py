@@ -1,32 +1,12 @@
 """csm-host measure, end to end: python3 measure_test.py CSM_HOST BACKEND"""
-import base64, json, math, os, struct, subprocess, sys, tempfile
+import json, math, os, subprocess, sys, tempfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..'))
+from tiny_gltf import box, quad, write_gltf
 
 host, backend = sys.argv[1:3]
 folder = tempfile.TemporaryDirectory()
 at = lambda name: os.path.join(folder.name, name)
-
-
-def quad(a, b, c, d):
-    return [a, b, c, a, c, d]
-
-
-def box(low, high):
-    corners = [[high[i] if n >> i & 1 else low[i] for i in range(3)] for n in range(8)]
-    faces = [(0, 4, 6, 2), (1, 3, 7, 5), (0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6)]
-    return [p for face in faces for p in quad(*(corners[i] for i in face))]
-
-
-def write_gltf(name, points):
-    data = b''.join(struct.pack('<3f', *p) for p in points)
-    uri = 'data:application/octet-stream;base64,' + base64.b64encode(data).decode()
-    bounds = [[f(p[i] for p in points) for i in range(3)] for f in (min, max)]
-    json.dump({'asset': {'version': '2.0'}, 'scene': 0, 'scenes': [{'nodes': [0]}], 'nodes': [{'mesh': 0}],
-               'meshes': [{'primitives': [{'attributes': {'POSITION': 0}}]}],
-               'accessors': [{'bufferView': 0, 'componentType': 5126, 'count': len(points), 'type': 'VEC3',
-                              'min': bounds[0], 'max': bounds[1]}],
-               'bufferViews': [{'buffer': 0, 'byteLength': len(data)}],
-               'buffers': [{'byteLength': len(data), 'uri': uri}]}, open(at(name), 'w'))
-    return at(name)
 
 
 def run(*arguments, code=0):
@@ -39,7 +19,7 @@ def run(*arguments, code=0):
 
 
 ground = quad((-20, 0, -20), (-20, 0, 20), (20, 0, 20), (20, 0, -20))
-scene = write_gltf('box.gltf', ground + box((-1, 0, -1), (1, 2, 1)))
+scene = write_gltf(at('box.gltf'), ground + box((-1, 0, -1), (1, 2, 1)))
 common = ['--scene', scene, '--light', '0.5,-0.8,0.3', '--shadow-distance', '40', '--size', '320x180']
 camera = ['--camera', '6,5,9:0,1,0:50:0.1:100']
 
@@ -103,7 +83,7 @@ refused('cannot open', *common, '--camera-path', at('none.json'))
 refused('2 lights', *common, '--light-path', at('lights.json'), '--camera-path', at('path.json'))
 refused('no surface', *common, '--camera', '6,5,9:6,50,9.1:50:0.1:100')
 refused('shadow distance', '--scene', scene, '--light', '0.5,-0.8,0.3', '--shadow-distance', '2', '--size', '64x64', *camera)
-refused('turned away', '--scene', write_gltf('ground.gltf', ground), '--light', '0,1,0', '--size', '64x64', '--shadow-distance',
+refused('turned away', '--scene', write_gltf(at('ground.gltf'), ground), '--light', '0,1,0', '--size', '64x64', '--shadow-distance',
         '40', *camera)
 refused('inside a wall', *common, '--camera', '0,1,0:1,1.2,0.1:50:0.1:100')
 refused('--sun-samples', *common, '--sun-samples', '2')

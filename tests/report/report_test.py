@@ -1,0 +1,194 @@
+"""csm-host report on a tiny scene: python3 report_test.py CSM_HOST BACKEND..."""
+import html.parser
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..'))
+from tiny_gltf import box, quad, write_gltf
+
+host, backends = sys.argv[1], sys.argv[2:]
+folder = tempfile.TemporaryDirectory()
+at = lambda *names: os.path.join(folder.name, *names)
+FILTERS = ('pcf_2x2', 'pcf_3x3')
+BIAS_MODES = ('slope', 'receiver_plane')
+
+
+def run(*arguments, code=0):
+    command = [host, 'report', '--cache', at('cache'), *arguments]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == code, (command, done.returncode, done.stderr)
+    return done.stderr if code else done.stdout
+
+
+class Page(html.parser.HTMLParser):
+    """Checks that elements are closed in order and that nothing comes from elsewhere; keeps scripts' texts."""
+    VOID = {'meta', 'link', 'br', 'img', 'input', 'hr'}
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.ids, self.scripts, self.found = [], set(), [], []
+        self.feed(text)
+        self.close()
+        assert not self.open, self.open
+
+    def handle_starttag(self, tag, attributes):
+        attributes = dict(attributes)
+        self.found.append(tag)
+        assert attributes.get('id') not in self.ids or 'id' not in attributes, attributes
+        self.ids.add(attributes.get('id'))
+        for key in ('src', 'href', 'srcset'):
+            assert attributes.get(key, 'data:').startswith('data:'), attributes
+        if tag == 'script':
+            self.scripts.append('')
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open and self.open.pop() == tag, tag
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] == 'script':
+            self.scripts[-1] += data
+        if self.open and self.open[-1] == 'style':
+            assert 'url(' not in data and '@import' not in data
+
+
+def load(name):
+    """A report's page and its JSON, which must agree."""
+    with open(at(name, 'report.html'), encoding='utf-8') as file:
+        text = file.read()
+    page, full = Page(text), json.load(open(at(name, 'report.json')))
+    data = json.loads(page.scripts[0])
+    assert len(page.scripts) == 2 and '@DATA@' not in text
+    assert {'svg', 'table', 'noscript', 'style'} <= set(page.found)
+    assert [s['scene'] for s in data['scenes']] == [s['scene'] for s in full['scenes']]
+    for short, long in zip(data['scenes'], full['scenes']):
+        assert len(short['rows']) == len(long['configurations'])
+        assert short['verdicts'] == long['verdicts']
+        for row, configuration in zip(short['rows'], long['configurations']):
+            assert all(configuration[key] == value for key, value in row[0].items()) and len(row[0]) == 4
+            assert len(row) == 3 + len(full['backends'])
+        for uri in [short['truth_picture']] + [p[kind] for p in short['pictures'] for kind in ('drawn', 'errors')]:
+            assert uri.startswith('data:image/png;base64,iVBORw0KGgo') and len(uri) > 200
+        assert {p['point'] for p in short['pictures']} == {
+            long['base'], *(long['verdicts'][full['backends'][0]['name']][key] for key in ('knee', 'least_error'))}
+    return full
+
+
+def numbers(value):
+    if isinstance(value, dict):
+        return [n for v in value.values() for n in numbers(v)]
+    if isinstance(value, list):
+        return [n for v in value for n in numbers(v)]
+    return [value] if isinstance(value, (int, float)) else []
+
+
+def shape(configuration):
+    return tuple(configuration[key] for key in ('cascade_count', 'resolution', 'filter', 'bias_mode'))
+
+
+def check_scene(scene, shapes, rounds):
+    points = scene['configurations']
+    wanted = {(c, r, f, b) for c, r in shapes for f in FILTERS for b in BIAS_MODES}
+    assert len(points) == len(wanted) and {shape(p) for p in points} == wanted
+    assert scene['rounds'] == rounds
+    assert all(math.isfinite(n) for n in numbers(scene))
+    for point in points:
+        assert set(point['backends']) == set(backends)
+        assert point['map_bytes'] >= 4 * point['cascade_count'] * point['resolution'] ** 2
+        for result in point['backends'].values():
+            metrics, ms = result['metrics'], result['shadow_ms']
+            wrong = metrics['false_lit'] + metrics['false_shadow']
+            assert result['error'] == (metrics['rmse'] if scene['error'] == 'rmse' else wrong)
+            assert metrics['pixels'] > 2000 and wrong < 0.5, (scene['scene'], shape(point), metrics)
+            assert 0 < ms['low'] <= ms['median'] <= ms['high']
+            assert ms['median'] >= max(result[part]['median'] for part in ('plan_ms', 'maps_ms', 'mask_ms')) * 0.5
+        if len(backends) == 2:
+            assert point['ratio']['low'] <= point['ratio']['median'] <= point['ratio']['high']
+            assert point['differing_pixels'] == 0
+    for backend in backends:
+        check_verdict(scene, backend)
+
+
+def check_verdict(scene, backend):
+    """The front, its knee and the base's place, found anew."""
+    verdict, base = scene['verdicts'][backend], scene['base']
+    results = [p['backends'][backend] for p in scene['configurations']]
+    score = [(r['shadow_ms']['median'], max(r['error'], 0.5 / r['metrics']['pixels'])) for r in results]
+    beats = lambda a, b: a[0] <= b[0] and a[1] <= b[1] and a != b
+    front = [i for i, s in enumerate(score) if not any(beats(t, s) for t in score)]
+    front.sort(key=lambda i: score[i])
+    assert verdict['front'] == front, (verdict, front)
+    assert verdict['least_error'] == front[-1]
+    first, last = score[front[0]], score[front[-1]]
+    below = lambda i: sum((score[i][k] - (first, last)[k][k]) / ((last, first)[k][k] - (first, last)[k][k] or 1) for k in (0, 1))
+    assert below(verdict['knee']) <= min(map(below, front)) + 1e-9
+    assert verdict['base_error_rank'] == 1 + sum(s[1] < score[base][1] for s in score)
+    assert verdict['base_time_rank'] == 1 + sum(s[0] < score[base][0] for s in score)
+
+
+# A box on the ground, in a file with a name that would end a script.
+ground = quad((-20, 0, -20), (-20, 0, 20), (20, 0, 20), (20, 0, -20))
+name = "<!--</script>&'b.gltf".replace('/', '')
+scene = write_gltf(at(name), ground + box((-1, 0, -1), (1, 2, 1)))
+small = ['--scene', scene, '--size', '160x90', '--shadow-distance', '40', '--light', '0.5,-0.8,0.3', '--backend',
+         'both' if len(backends) == 2 else backends[0]]
+camera = ['--camera', '6,5,9:0,1,0:50:0.1:100']
+few = ['--cascades', '3,1', '--resolutions', '128,64']
+
+# A configuration that is not in the sweep is added; it is what the rest is compared with.
+text = run('--quick', *small, *camera, *few, '--out', at('first'), '--json', at('first.json'))
+assert 'default' in text and 'report.html' in text, text
+first = load('first')
+assert json.load(open(at('first.json')))['scenes'] == first['scenes']
+shapes = [(c, r) for c in (1, 3) for r in (64, 128)]
+check_scene(first['scenes'][0], shapes + [(4, 2048)], 5)
+assert shape(first['scenes'][0]['configurations'][first['scenes'][0]['base']]) == (4, 2048, 'pcf_3x3', 'receiver_plane')
+assert [b['name'] for b in first['backends']] == backends and all(b['driver'] for b in first['backends'])
+assert first['machine']['cores'] >= 1 and first['quick'] and '--quick' in first['command'] and not first['own_base']
+assert not first['scenes'][0]['truth']['cached'] and first['left_out'] == []
+best = first['scenes'][0]['verdicts'][backends[0]]['least_error']
+assert first['scenes'][0]['configurations'][best]['resolution'] == 2048, 'sixteen times the texels are nearer the truth'
+
+# The same truth again, for another base; one in the sweep. No time left: one round all the same. A soft sun, two scenes.
+json.dump({'cascade_count': 3, 'resolution': 64, 'filter': 'pcf_2x2', 'split_lambda': 0.5}, open(at('own.json'), 'w'))
+run(*small, *camera, *few, '--config', at('own.json'), '--minutes', '1e-9', '--out', at('own'))
+own = load('own')
+check_scene(own['scenes'][0], shapes, 1)
+assert own['scenes'][0]['truth']['cached'] and own['own_base'] and own['scenes'][0]['base_config']['split_lambda'] == 0.5
+assert shape(own['scenes'][0]['configurations'][own['scenes'][0]['base']]) == (3, 64, 'pcf_2x2', 'receiver_plane')
+other = write_gltf(at('other.gltf'), ground + box((-3, 0, -3), (-2, 6, 4)))
+run(*small, '--scene', other, '--shadow-distance', '200', '--light', '0.5,-0.8,0.3:3', '--sun-samples', '16', *few, '--config', at('own.json'),
+    '--minutes', '1e-9', '--out', at('soft'))
+soft = load('soft')
+assert [s['scene'] for s in soft['scenes']] == [scene, other]
+for one in soft['scenes']:
+    check_scene(one, shapes, 1)
+    assert one['error'] == 'rmse' and one['truth']['rays'] == 16
+assert soft['all']['front'] and soft['all']['knee'] in soft['all']['front']
+
+
+# Bad input gets a clear word, and no page.
+def refused(word, *arguments):
+    text = run('--out', at('refused'), *arguments, code=2)
+    assert word in text, (word, text)
+    assert not os.path.exists(at('refused', 'report.html')), arguments
+
+
+for value in ('0', '9', '2,2', '1.5', 'x', '1,', ''):
+    refused('--cascades', *small, '--cascades', value)
+refused('--resolutions', *small, '--resolutions', '8')
+refused('--resolutions', *small, '--resolutions', '64;128')
+refused('--minutes', *small, '--minutes', '0')
+refused('--camera', *camera)
+refused('--dump', *small, '--dump', at('dump'))
+refused('no scene', '--scene', 'nowhere')
+refused('cannot open', '--scene', at('none.gltf'))
+refused('inside a wall', *small, *few, '--camera', '0,1,0:1,1.2,0.1:50:0.1:100')
+refused('turned away', '--scene', scene, '--size', '64x64', '--shadow-distance', '40', '--light', '0,1,0', *few, *camera)
+refused('not a folder', *small, *camera, '--out', at('first.json'))
+print('ok')
