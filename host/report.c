@@ -53,6 +53,7 @@ static void make_head(report *r) {
   json_object_set_new(r->head, "minutes", options->minutes > 0.0 ? json_real(options->minutes) : json_null());
   json_object_set_new(r->head, "own_base", json_boolean(options->config_file != NULL));
   json_object_set_new(r->head, "machine", report_machine_to_json());
+  json_object_set_new(r->head, "load_at_start", report_machine_load());
   json_object_set_new(r->head, "left_out", json_array());
   free(command);
 }
@@ -98,6 +99,7 @@ static json_t *judge_all(const report *r) {
 static json_t *with_scenes(const report *r, json_t *scenes) {
   json_t *object = json_copy(r->head);
   json_object_set_new(object, "seconds", json_real((host_now_ms() - r->begun_ms) * 1e-3));
+  json_object_set_new(object, "load_at_end", report_machine_load());
   json_object_set_new(object, "all", judge_all(r));
   json_object_set(object, "scenes", scenes);
   return object;

@@ -25,7 +25,6 @@ static void find_line(char *out, size_t size, const char *path, const char *key)
 json_t *report_machine_to_json(void) {
   char processor[256], memory[64];
   struct utsname system = {0};
-  double load = 0.0;
   json_t *object = json_object();
   find_line(processor, sizeof processor, "/proc/cpuinfo", "model name");
   find_line(memory, sizeof memory, "/proc/meminfo", "MemTotal");
@@ -34,7 +33,10 @@ json_t *report_machine_to_json(void) {
   json_object_set_new(object, "memory_gib", json_real(strtod(memory, NULL) / (1024.0 * 1024.0)));
   if (uname(&system) == 0)
     json_object_set_new(object, "system", json_sprintf("%s %s %s", system.sysname, system.release, system.machine));
-  if (getloadavg(&load, 1) == 1)
-    json_object_set_new(object, "load_at_start", json_real(load));
   return object;
+}
+
+json_t *report_machine_load(void) {
+  double load;
+  return getloadavg(&load, 1) == 1 ? json_real(load) : json_null();
 }

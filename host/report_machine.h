@@ -4,7 +4,9 @@
 
 #include <jansson.h>
 
-/* The processor, its cores, memory, the system and what else kept it busy. */
+/* The processor, its cores, memory and the system. */
 json_t *report_machine_to_json(void);
+/* How many programs wanted to run, on average over the last minute; null where the system does not tell. */
+json_t *report_machine_load(void);
 
 #endif
