@@ -223,18 +223,15 @@ static void print_switching(FILE *to, const bench *b) {
             s->switch_ms[i].median, s->switch_ms[i].low, s->switch_ms[i].high, s->rounds);
 }
 
-static json_t *estimate_to_json(const char *name, const estimate *value) {
-  json_t *object = json_object();
+static json_t *named_estimate(const char *name, const estimate *value) {
+  json_t *object = estimate_to_json(value);
   json_object_set_new(object, "name", json_string(name));
-  json_object_set_new(object, "median", json_real(value->median));
-  json_object_set_new(object, "low", json_real(value->low));
-  json_object_set_new(object, "high", json_real(value->high));
   return object;
 }
 
 static json_t *time_to_json(const bench *b, const contender *c) {
   const estimate ms = time_of(b, c);
-  json_t *object = estimate_to_json(c->name, &ms), *samples = json_array();
+  json_t *object = named_estimate(c->name, &ms), *samples = json_array();
   for (uint32_t i = 0; i < b->pairs; i++)
     json_array_append_new(samples, json_real(c->samples[i]));
   json_object_set_new(object, "samples", samples);
@@ -253,11 +250,11 @@ static json_t *results_to_json(const bench *b) {
     const estimate value = ratio_of(b, top, bottom);
     char name[64];
     snprintf(name, sizeof name, "%s/%s", top->name, bottom->name);
-    json_t *ratio = estimate_to_json(name, &value);
+    json_t *ratio = named_estimate(name, &value);
     json_object_set_new(ratio, "at_most", json_real(ratio_limit(top)));
     json_array_append_new(ratios, ratio);
   }
-  json_t *planning = estimate_to_json("plan_ms", &b->many_plan);
+  json_t *planning = named_estimate("plan_ms", &b->many_plan);
   json_object_set_new(planning, "instances", json_integer(MANY_INSTANCES));
   json_object_set_new(object, "scene", json_string(b->setup.scene.name));
   json_object_set_new(object, "cores", json_integer(sysconf(_SC_NPROCESSORS_ONLN)));
@@ -268,9 +265,9 @@ static json_t *results_to_json(const bench *b) {
   json_object_set_new(object, "planning", planning);
   for (int i = 0; i < HOST_BACKENDS && b->switching.rounds; i++)
     json_object_set_new(object, i ? "switch_to_d3d12_ms" : "switch_to_vulkan_ms",
-                        estimate_to_json(host_backend_names[i], &b->switching.switch_ms[i]));
+                        named_estimate(host_backend_names[i], &b->switching.switch_ms[i]));
   if (b->engine.frames) {
-    json_t *engine = estimate_to_json("call_ms", &b->engine.call_ms);
+    json_t *engine = named_estimate("call_ms", &b->engine.call_ms);
     json_object_set_new(engine, "instances", json_integer(MANY_INSTANCES));
     json_object_set_new(engine, "allocations", json_integer(b->engine.allocations));
     json_object_set_new(engine, "frames", json_integer(b->engine.frames));

@@ -9,14 +9,6 @@ static const char *const time_names[REPORT_TIMES] = {[REPORT_PLAN_MS] = "plan_ms
                                                      [REPORT_MASK_MS] = "mask_ms",
                                                      [REPORT_SHADOW_MS] = "shadow_ms"};
 
-static json_t *estimate_to_json(const estimate *value) {
-  json_t *object = json_object();
-  json_object_set_new(object, "median", json_real(value->median));
-  json_object_set_new(object, "low", json_real(value->low));
-  json_object_set_new(object, "high", json_real(value->high));
-  return object;
-}
-
 json_t *report_verdict_to_json(const report_verdict *v) {
   json_t *object = json_object(), *front = json_array();
   for (uint32_t i = 0; i < v->front_count; i++)

@@ -28,3 +28,11 @@ estimate estimate_median(double *samples, uint32_t count) {
                     .low = samples[first],
                     .high = samples[count - 1 - first]};
 }
+
+json_t *estimate_to_json(const estimate *value) {
+  json_t *object = json_object();
+  json_object_set_new(object, "median", json_real(value->median));
+  json_object_set_new(object, "low", json_real(value->low));
+  json_object_set_new(object, "high", json_real(value->high));
+  return object;
+}

@@ -2,6 +2,7 @@
 #ifndef HOST_STATISTICS_H
 #define HOST_STATISTICS_H
 
+#include <jansson.h>
 #include <stdint.h>
 
 typedef struct estimate {
@@ -12,5 +13,7 @@ typedef struct estimate {
 
 /* Order statistics: no assumption on how the samples are spread. Sorts them. Precondition: count > 0. */
 estimate estimate_median(double *samples, uint32_t count);
+
+json_t *estimate_to_json(const estimate *value);
 
 #endif
