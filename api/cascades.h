@@ -70,8 +70,13 @@ void cascades_destroy_now(csm_cascades *cascades);
 
 /* ---- mask_images.c ---- */
 
-/* The mask's images for a size, made if they are not there; with `depth`, an own camera depth too. */
-csm_result cascades_mask(csm_cascades *cascades, uint32_t width, uint32_t height, bool depth, cascade_mask **out);
+/* A mask with images of a size, with `depth` an own camera depth too: the one that is there if it fits, else a new one,
+   which is to be kept or forgotten. */
+csm_result mask_prepare(csm_cascades *cascades, uint32_t width, uint32_t height, bool depth, cascade_mask **out);
+/* Puts a prepared mask in the place of the one that was there. */
+void mask_keep(csm_cascades *cascades, cascade_mask *mask);
+/* Frees a prepared mask that nothing came of; NULL is allowed. */
+void mask_forget(csm_cascades *cascades, cascade_mask *mask);
 
 /* Something that no recording in flight reads through, made if there is none. */
 csm_result mask_input_find(csm_cascades *cascades, cascade_mask *mask, const gpu_bindings_info *reads, bool normals,

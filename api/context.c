@@ -55,6 +55,7 @@ static csm_context *allocate_context(const csm_create_info *info) {
   context->supply = info->supply;
   context->budget = info->budget;
   context->user = info->user;
+  context->opacities.handles.kind = 1;
   context->keep_geometry = info->flags & CSM_CREATE_KEEP_GEOMETRY;
   return context;
 }

@@ -2,9 +2,13 @@
 
 #include <string.h>
 
+/* A handle: the generation above, then the kind's bit, then the index counted from 1, so that 0 is none. */
+enum { KIND_BIT = 31 };
+
 uint32_t handles_find(const handle_table *table, uint64_t handle) {
-  const uint32_t index = (uint32_t)handle - 1;
-  return index < table->count && table->places[index].generation == handle >> 32 ? index : UINT32_MAX;
+  const uint32_t index = ((uint32_t)handle & ~(1u << KIND_BIT)) - 1;
+  const bool known = index < table->count && handles_live(table, index) && handles_at(table, index) == handle;
+  return known ? index : UINT32_MAX;
 }
 
 bool handles_live(const handle_table *table, uint32_t index) {
@@ -12,7 +16,7 @@ bool handles_live(const handle_table *table, uint32_t index) {
 }
 
 uint64_t handles_at(const handle_table *table, uint32_t index) {
-  return (uint64_t)table->places[index].generation << 32 | (index + 1);
+  return (uint64_t)table->places[index].generation << 32 | table->kind << KIND_BIT | (index + 1);
 }
 
 uint32_t handles_next(const handle_table *table) {

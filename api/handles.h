@@ -14,6 +14,7 @@ typedef struct handle_place {
 /* What the handles stand for lies in arrays of the owner's, by index, of the same capacity. */
 typedef struct handle_table {
   handle_place *places;
+  uint32_t kind; /* 0 or 1: handles of one kind mean nothing to a table of the other */
   uint32_t count, capacity, first_free;
 } handle_table;
 

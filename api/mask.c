@@ -103,7 +103,7 @@ static csm_result reserve(csm_cascades *cascades, resolve *r) {
   bool ignored;
   csm_result result = recording_prepare(device, r->frame.frame, r->matrices_size + MASK_BLOCKS, &r->ring);
   if (!result)
-    result = cascades_mask(cascades, r->info.width, r->info.height, !r->info.camera_depth, &r->mask);
+    result = mask_prepare(cascades, r->info.width, r->info.height, !r->info.camera_depth, &r->mask);
   if (!result)
     result = import(device, &r->info, r->info.camera_depth, "csm_mask_info: camera_depth", &r->depth, &ignored);
   if (!result)
@@ -171,17 +171,20 @@ csm_result CSM_CALL csm_resolve_mask(csm_cascades *cascades, const csm_mask_info
     result = make_view(context, &r);
   if (!result)
     result = reserve(cascades, &r);
-  if (result)
+  if (!result) {
+    write_ring(cascades, &r);
+    result = recording_begin(context->device, r.frame.command_buffer);
+  }
+  if (result) {
+    mask_forget(cascades, r.mask);
     return result;
-  write_ring(cascades, &r);
-  result = recording_begin(context->device, r.frame.command_buffer);
-  if (result)
-    return result;
+  }
   record(cascades, &r);
+  r.input->serial = context->device->serial;
+  mask_keep(cascades, r.mask);
   result = recording_end(context->device);
   if (result)
     return result;
-  r.input->serial = context->device->serial;
   r.mask->drawn = true;
   r.mask->depth_drawn = !r.depth;
   return CSM_SUCCESS;

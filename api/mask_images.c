@@ -51,30 +51,39 @@ static csm_result make_image(device *device, const cascade_mask *mask, const cha
   return result;
 }
 
-static csm_result make_depth(device *device, cascade_mask *mask) {
-  return make_image(device, mask, "camera depth", GPU_FORMAT_D32_FLOAT, &mask->depth, &mask->depth_target);
-}
-
-csm_result cascades_mask(csm_cascades *cascades, uint32_t width, uint32_t height, bool depth, cascade_mask **out) {
+csm_result mask_prepare(csm_cascades *cascades, uint32_t width, uint32_t height, bool depth, cascade_mask **out) {
   device *device = cascades->context->device;
-  *out = cascades->mask;
-  if (*out && (*out)->width == width && (*out)->height == height)
-    return depth && !(*out)->depth ? make_depth(device, *out) : CSM_SUCCESS;
-  cascade_mask *mask = context_allocate(cascades->context, sizeof *mask);
+  cascade_mask *mask = cascades->mask;
+  const bool fits = mask && mask->width == width && mask->height == height && (!depth || mask->depth);
+  *out = mask;
+  if (fits)
+    return CSM_SUCCESS;
+  mask = context_allocate(cascades->context, sizeof *mask);
   if (!mask)
     return CSM_ERROR_OUT_OF_MEMORY;
   mask->width = width;
   mask->height = height;
   csm_result result = make_image(device, mask, "mask", GPU_FORMAT_R8_UNORM, &mask->mask, &mask->mask_target);
   if (!result && depth)
-    result = make_depth(device, mask);
+    result = make_image(device, mask, "camera depth", GPU_FORMAT_D32_FLOAT, &mask->depth, &mask->depth_target);
   if (result) {
     mask_free(device, &mask->retired);
     return result;
   }
-  mask_drop(cascades, device);
-  *out = cascades->mask = mask;
+  *out = mask;
   return CSM_SUCCESS;
+}
+
+void mask_keep(csm_cascades *cascades, cascade_mask *mask) {
+  if (mask == cascades->mask)
+    return;
+  mask_drop(cascades, cascades->context->device);
+  cascades->mask = mask;
+}
+
+void mask_forget(csm_cascades *cascades, cascade_mask *mask) {
+  if (mask && mask != cascades->mask)
+    mask_free(cascades->context->device, &mask->retired);
 }
 
 csm_result mask_input_find(csm_cascades *cascades, cascade_mask *mask, const gpu_bindings_info *reads, bool normals,

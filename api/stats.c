@@ -55,7 +55,7 @@ static void bind_images(csm_cascades *cascades, csm_binding *binding) {
   binding->native_sampler = native.sampler;
   if (binding->maps_descriptor)
     gpu.api->image_describe(gpu.device, cascades->maps->image, binding->maps_descriptor);
-  if (!cascades->mask)
+  if (!cascades->mask || !cascades->mask->drawn)
     return;
   gpu.api->image_native(gpu.device, cascades->mask->mask, &native);
   binding->native_mask = native.image;

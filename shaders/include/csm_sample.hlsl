@@ -28,6 +28,11 @@
 #ifndef CSM_SAMPLER
 #define CSM_SAMPLER csm_compare
 #endif
+// Who compares in a way of their own has maps of their own: at a texel's centre that comparison is the texel's.
+#if defined(CSM_COMPARE) && !defined(CSM_TEXEL_LIT)
+#define CSM_TEXEL_LIT(texel, layer, reference)                                                                         \
+    CSM_COMPARE((texel + 0.5) * CSM_CONSTANTS[CSM_C_PARAMS].z, layer, reference)
+#endif
 #ifndef CSM_COMPARE
 #define CSM_COMPARE(uv, layer, reference) CSM_MAPS.SampleCmpLevelZero(CSM_SAMPLER, float3(uv, layer), reference)
 #endif

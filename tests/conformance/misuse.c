@@ -207,6 +207,8 @@ static void meshes(void **state) {
   assert_int_equal(csm_mesh_create(f.context, &good, &mesh), CSM_SUCCESS);
   assert_int_equal(csm_mesh_destroy(f.context, mesh), CSM_SUCCESS);
   expect(&f, csm_mesh_destroy(f.context, mesh), CSM_ERROR_INVALID_HANDLE, "destroyed twice");
+  const csm_mesh forged = mesh + (1ull << 32); /* the generation that the empty place has now */
+  expect(&f, csm_mesh_destroy(f.context, forged), CSM_ERROR_INVALID_HANDLE, "a forged handle to an empty place");
   csm_mesh next;
   assert_int_equal(csm_mesh_create(f.context, &good, &next), CSM_SUCCESS);
   assert_true(next != mesh);
@@ -471,6 +473,26 @@ static void masks_and_reading(void **state) {
   teardown(&f);
 }
 
+/* A resolve of another size that fails, wherever it does, leaves the mask that was there. */
+static void a_failed_mask_leaves_the_last(void **state) {
+  (void)state;
+  fixture f;
+  setup(&f);
+  csm_mask_info mask = {.struct_size = sizeof mask, .frame = &f.scene.frame, .width = 16, .height = 16};
+  assert_int_equal(csm_resolve_mask(f.cascades, &mask), CSM_SUCCESS);
+  mask.width = 48;
+  csm_result result;
+  int64_t failures = 0;
+  do {
+    f.record.allocations_left = failures++;
+    result = csm_resolve_mask(f.cascades, &mask);
+    f.record.allocations_left = -1;
+    free(support_read(f.cascades, CSM_READ_MASK, 0, result ? 16 : 48, 16));
+  } while (result);
+  assert_true(failures > 3);
+  teardown(&f);
+}
+
 /* ---- memory ---- */
 
 /* One frame with everything in it; stops at the first error. */
@@ -541,6 +563,7 @@ int main(int argc, char **argv) {
       cmocka_unit_test(cameras),
       cmocka_unit_test(frames),
       cmocka_unit_test(masks_and_reading),
+      cmocka_unit_test(a_failed_mask_leaves_the_last),
       cmocka_unit_test(allocations_may_fail),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);

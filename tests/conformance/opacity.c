@@ -225,6 +225,8 @@ static void misuse_is_named(void **state) {
   leaf = leaf_info(&f, 0.5f), leaf.opacity ^= 1ull << 33;
   expect(&f, csm_mesh_create(f.context, &leaf, &mesh), CSM_ERROR_INVALID_HANDLE);
 
+  expect(&f, csm_mesh_destroy(f.context, f.opacity), CSM_ERROR_INVALID_HANDLE); /* of the other kind */
+  expect(&f, csm_opacity_destroy(f.context, f.leaf), CSM_ERROR_INVALID_HANDLE);
   assert_int_equal(csm_mesh_destroy(f.context, f.leaf), CSM_SUCCESS);
   assert_int_equal(csm_opacity_destroy(f.context, f.opacity), CSM_SUCCESS);
   expect(&f, csm_opacity_destroy(f.context, f.opacity), CSM_ERROR_INVALID_HANDLE);

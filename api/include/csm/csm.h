@@ -14,7 +14,7 @@
  *
  * Every function but csm_destroy and those that return text returns a csm_result. An error leaves everything as it was
  * and has a text: csm_last_error, and the log callback. After CSM_ERROR_DEVICE_LOST every call on that context but
- * csm_destroy, csm_cascades_destroy, csm_switch_backend and csm_last_error answers CSM_ERROR_DEVICE_LOST.
+ * csm_destroy, csm_cascades_destroy, csm_retire, csm_switch_backend and csm_last_error answers CSM_ERROR_DEVICE_LOST.
  *
  * Threads: [any-thread] may be called at any time; [render-thread] one call at a time for one context, from any thread.
  * Contexts are independent of each other.
@@ -144,7 +144,8 @@ CSM_API void CSM_CALL csm_destroy(csm_context *context);
  * everything stays as it was. Meshes, cascades, settings and snapping carry on; maps and masks are drawn anew by the
  * next csm_render_cascades and csm_resolve_mask. What lies on an own device is freed at once, after waiting for it;
  * what lies on an engine's goes when csm_retire reaches its last frame. Works on a context whose device was lost.
- * `info` is read as by csm_create, but for allocate, release, log, user, supply and budget: those stay.
+ * `info` is read as by csm_create, but for allocate, release, log, user, supply, budget and CSM_CREATE_KEEP_GEOMETRY:
+ * those stay.
  * Errors: as csm_create, and INVALID_STATE (a mesh that has no copy and is not supplied). [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_switch_backend(csm_context *context, const csm_create_info *info);
@@ -216,11 +217,15 @@ struct csm_mesh_info {
  * mesh is destroyed and its last frame retired. A copied one is uploaded by the next frame that is recorded.
  * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (counts, stride, index_size, flags), INVALID_INDEX (an index not
  * below vertex_count), INVALID_HANDLE (opacity), NOT_FINITE (a position, the bounds), UNSUPPORTED (buffers of the other
- * API), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, LIMIT_EXCEEDED, DEVICE_LOST. *mesh is 0 after an error. [render-thread]
+ * API), LIMIT_EXCEEDED (memory; more than 32 pairs of strides of vertices and uvs), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY,
+ * DEVICE_LOST. *mesh is 0 after an error. [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_mesh_create(csm_context *context, const csm_mesh_info *info, csm_mesh *mesh);
 
-/* Frees a mesh once no frame in flight uses it. Errors: NULL_POINTER, INVALID_HANDLE. [render-thread] */
+/*
+ * Frees a mesh once no frame in flight that csm recorded uses it. Errors: NULL_POINTER, INVALID_HANDLE, DEVICE_LOST.
+ * [render-thread]
+ */
 CSM_API csm_result CSM_CALL csm_mesh_destroy(csm_context *context, csm_mesh mesh);
 
 /* ---- configuration ---- */
