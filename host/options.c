@@ -45,7 +45,7 @@ static const char help[] =
     "  --quick                     bench, report: 5 pairs instead of 31; report: 1, 2 and 4 maps of 512 to 2048\n"
     "  --cascades LIST             report: numbers of maps; 1,2,3,4,5,6,7,8\n"
     "  --resolutions LIST          report: texels a side; 512,1024,2048,4096\n"
-    "  --minutes M                 report: draws again for times only while that ends in M minutes\n"
+    "  --minutes M                 report: after one round of all it draws again only while that ends in time; 30\n"
     "  --frames N --keys TEXT      view: N frames, a key of TEXT pressed in each ('.' is none); saves view.png\n"
     "\n"
     "Exit codes: 0 the backends agree, 1 they differ, 2 bad input, 3 no device or backend.\n";
@@ -239,6 +239,7 @@ int options_parse(host_options *out, int count, char **arguments) {
                         .out = "out",
                         .sun_samples = 256,
                         .keys = "",
+                        .minutes = 30.0,
                         .arguments = arguments,
                         .argument_count = count};
   for (int i = 1; i < count; i++)

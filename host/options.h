@@ -49,7 +49,7 @@ typedef struct host_options {
   const char *scenes[OPTIONS_MAX_SCENES]; /* report: all that were named */
   uint32_t scene_count;
   options_list cascades, resolutions; /* report: what is swept */
-  double minutes;                     /* report: when to stop drawing again; 0: when there are pairs enough */
+  double minutes;                     /* report: when to stop drawing again */
   char **arguments;                   /* the command line itself */
   int argument_count;
   uint32_t frames;  /* view: how many before it ends by itself; 0: until it is closed */

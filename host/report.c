@@ -50,7 +50,7 @@ static void make_head(report *r) {
   json_object_set_new(r->head, "date", json_string(date));
   json_object_set_new(r->head, "command", json_string(command));
   json_object_set_new(r->head, "quick", json_boolean(options->quick));
-  json_object_set_new(r->head, "minutes", options->minutes > 0.0 ? json_real(options->minutes) : json_null());
+  json_object_set_new(r->head, "minutes", json_real(options->minutes));
   json_object_set_new(r->head, "own_base", json_boolean(options->config_file != NULL));
   json_object_set_new(r->head, "machine", report_machine_to_json());
   json_object_set_new(r->head, "load_at_start", report_machine_load());

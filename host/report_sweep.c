@@ -126,12 +126,10 @@ static int draw_shape(report_sweep *sweep, const report_studio *studio, uint32_t
 
 static void show_progress(const report_sweep *sweep, const report_studio *studio, uint32_t point, uint32_t rounds,
                           double deadline_ms) {
-  char text[200], left[64] = "";
-  const double minutes = (deadline_ms - host_now_ms()) / 60e3;
-  if (isfinite(minutes))
-    snprintf(left, sizeof left, "; at most %.0f min left for it", ceil(fmax(minutes, 0.0)));
-  snprintf(text, sizeof text, "%.60s: round %u of %u, configuration %u of %u%s", studio->setup->scene.name,
-           sweep->rounds + 1, rounds, point + 1, sweep->count, left);
+  char text[200];
+  snprintf(text, sizeof text, "%.60s: round %u of %u at most, configuration %u of %u; %.0f min left for it",
+           studio->setup->scene.name, sweep->rounds + 1, rounds, point + 1, sweep->count,
+           ceil(fmax((deadline_ms - host_now_ms()) / 60e3, 0.0)));
   host_progress(text);
 }
 
