@@ -103,10 +103,13 @@ static int open_stages(report_scene *s, const host_options *options) {
   int code = 0;
   for (int i = 0; code == 0 && i < HOST_BACKENDS; i++)
     if (options->backends[i]) {
-      stage *opened = &s->stages[s->stage_count++];
-      code = stage_open(opened, host_backend_names[i], options->device);
-      if (code == 0)
-        code = stage_load(opened, &s->setup);
+      stage *opened[] = {&s->stages[s->stage_count], &s->references[s->stage_count]};
+      s->stage_count++;
+      for (int k = 0; code == 0 && k < 2; k++) {
+        code = stage_open(opened[k], host_backend_names[i], options->device);
+        if (code == 0)
+          code = stage_load(opened[k], &s->setup);
+      }
     }
   return code;
 }
@@ -123,8 +126,11 @@ int report_scene_run(report_scene *out, const host_options *options, double dead
     code = open_stages(out, options);
   if (code)
     return code;
-  const report_studio studio = {
-      .setup = &out->setup, .truth = &out->truth, .stages = out->stages, .stage_count = out->stage_count};
+  const report_studio studio = {.setup = &out->setup,
+                                .truth = &out->truth,
+                                .stages = out->stages,
+                                .references = out->references,
+                                .stage_count = out->stage_count};
   report_sweep_make(&out->sweep, options, &out->setup.config);
   code = report_sweep_run(&out->sweep, &studio, options->quick ? QUICK_ROUNDS : REPORT_MAX_ROUNDS, deadline_ms);
   if (code == 0) {
@@ -136,8 +142,10 @@ int report_scene_run(report_scene *out, const host_options *options, double dead
 }
 
 void report_scene_close(report_scene *s) {
-  for (uint32_t b = 0; b < s->stage_count; b++)
+  for (uint32_t b = 0; b < s->stage_count; b++) {
     stage_close(&s->stages[b]);
+    stage_close(&s->references[b]);
+  }
   truth_frame_free(&s->truth);
   truth_store_close(&s->store);
   setup_free(&s->setup);

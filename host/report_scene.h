@@ -18,7 +18,7 @@ typedef struct report_scene {
   host_setup setup;
   truth_store store;
   truth_frame truth;
-  stage stages[HOST_BACKENDS];
+  stage stages[HOST_BACKENDS], references[HOST_BACKENDS];
   uint32_t stage_count;
   report_sweep sweep;
   report_score *scores[HOST_BACKENDS]; /* of every point */

@@ -111,6 +111,19 @@ static int warm_up(report_sweep *sweep, const report_studio *studio, uint32_t fi
   return code;
 }
 
+/* The base on every backend. */
+static int draw_reference(const report_studio *studio, double *ms) {
+  int code = 0;
+  *ms = 0.0;
+  for (uint32_t b = 0; code == 0 && b < studio->stage_count; b++) {
+    csm_stats stats;
+    code = stage_draw(&studio->references[b], &stats);
+    if (code == 0)
+      *ms += stats.plan_ms + stats.record_ms + stage_depth_ms(&stats) + stats.mask_gpu_ms;
+  }
+  return code;
+}
+
 static int draw_shape(report_sweep *sweep, const report_studio *studio, uint32_t first, uint32_t round) {
   int code = warm_up(sweep, studio, first, round == 0 && first == 0 ? sweep->per_shape : 1);
   for (uint32_t p = first; code == 0 && p < first + sweep->per_shape; p++) {
@@ -155,6 +168,19 @@ static int try_shape(const report_point *point, const report_studio *studio) {
   return code;
 }
 
+/* A shape's reference is the mean of the one before it and the one after it. */
+static int end_round(report_sweep *sweep, const report_studio *studio) {
+  const uint32_t round = sweep->rounds, per_shape = sweep->per_shape;
+  double last;
+  const int code = draw_reference(studio, &last);
+  for (uint32_t p = 0; p < sweep->count; p += per_shape) {
+    const double after = p + per_shape < sweep->count ? sweep->points[p + per_shape].reference_ms[round] : last;
+    sweep->points[p].reference_ms[round] = 0.5 * (sweep->points[p].reference_ms[round] + after);
+  }
+  sweep->rounds++;
+  return code;
+}
+
 static int draw_round(report_sweep *sweep, const report_studio *studio, uint32_t rounds, double deadline_ms) {
   for (uint32_t p = 0; p < sweep->count;) {
     show_progress(sweep, studio, p, rounds, deadline_ms);
@@ -162,24 +188,44 @@ static int draw_round(report_sweep *sweep, const report_studio *studio, uint32_t
     if (code == HOST_BAD_INPUT && take_out(sweep, p))
       continue;
     if (code == 0)
+      code = draw_reference(studio, &sweep->points[p].reference_ms[sweep->rounds]);
+    if (code == 0)
       code = draw_shape(sweep, studio, p, sweep->rounds);
     if (code)
       return code;
     p += sweep->per_shape;
   }
-  sweep->rounds++;
-  return 0;
+  return end_round(sweep, studio);
+}
+
+/* What every time is multiplied with, so that the base's stays as it is in the middle of the run. */
+static void steady(report_sweep *sweep) {
+  const uint32_t shapes = sweep->count / sweep->per_shape;
+  double *all = host_allocate((size_t)shapes * sweep->rounds, sizeof *all);
+  for (uint32_t i = 0; i < shapes * sweep->rounds; i++)
+    all[i] = sweep->points[i / sweep->rounds * sweep->per_shape].reference_ms[i % sweep->rounds];
+  const double median = estimate_median(all, shapes * sweep->rounds).median;
+  free(all);
+  for (uint32_t p = 0; p < sweep->count; p++)
+    for (uint32_t round = 0; round < sweep->rounds; round++) {
+      const double factor = median / sweep->points[p - p % sweep->per_shape].reference_ms[round];
+      for (int b = 0; b < HOST_BACKENDS; b++)
+        for (int t = 0; t < REPORT_TIMES; t++)
+          sweep->points[p].samples[b][t][round] *= factor;
+    }
 }
 
 int report_sweep_run(report_sweep *sweep, const report_studio *studio, uint32_t rounds, double deadline_ms) {
-  double longest = 0.0;
-  int code = 0;
+  double longest = 0.0, unused;
+  int code = draw_reference(studio, &unused); /* warms it up */
   while (code == 0 && sweep->rounds < rounds && (sweep->rounds == 0 || host_now_ms() + longest <= deadline_ms)) {
     const double begun = host_now_ms();
     code = draw_round(sweep, studio, rounds, deadline_ms);
     longest = fmax(sweep->rounds > 1 ? longest : 0.0, host_now_ms() - begun);
   }
   host_progress("");
+  if (code == 0)
+    steady(sweep);
   return code;
 }
 

@@ -24,6 +24,7 @@ typedef struct report_point {
   uint64_t differing; /* pixels whose masks differ between backends by more than they may */
   metrics metrics[HOST_BACKENDS];
   double samples[HOST_BACKENDS][REPORT_TIMES][REPORT_MAX_ROUNDS]; /* ms */
+  double reference_ms[REPORT_MAX_ROUNDS]; /* first of a shape: the base on all backends, drawn before it and after it */
 } report_point;
 
 /* Configurations of one shape stand together, so that maps are made anew as seldom as can be. */
@@ -45,11 +46,14 @@ void report_sweep_free(report_sweep *sweep);
 typedef struct report_studio {
   const host_setup *setup;
   const truth_frame *truth;
-  stage *stages; /* loaded with the setup */
-  uint32_t stage_count;
+  stage *stages, *references; /* loaded with the setup; those that draw the points, and those that draw the base */
+  uint32_t stage_count;       /* of each */
 } report_studio;
 
 /*
+ * A machine is now faster, now slower. So the base is drawn beside every shape, and times are brought to the base's
+ * median over the whole run: what is compared is each point's ratio to a base drawn at the same time.
+ *
  * Draws and measures every point, then again for times: up to `rounds`, as many as end before `deadline_ms`
  * (host_now_ms), but at least one. Points that a device cannot hold are taken out, after a message. 0, or a code after
  * a message.
