@@ -133,8 +133,8 @@ static void print_choice(FILE *to, const report_scene *s, const char *what, uint
 
 static void print_scene(FILE *to, const report_scene *s, bool own_base) {
   const report_verdict *v = &s->verdicts[0];
-  fprintf(to, "%s, %s: %u configurations, %u rounds, %.0f s\n", s->setup.scene.name, s->stages[0].backend,
-          s->sweep.count, s->sweep.rounds, s->seconds);
+  fprintf(to, "%s, %s: %u configurations, %u round%s, %.0f s\n", s->setup.scene.name, s->stages[0].backend,
+          s->sweep.count, s->sweep.rounds, s->sweep.rounds == 1 ? "" : "s", s->seconds);
   print_choice(to, s, "best value", v->knee);
   print_choice(to, s, "least error", v->least_error);
   print_choice(to, s, own_base ? "--config" : "default", s->sweep.base);
