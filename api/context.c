@@ -132,35 +132,35 @@ csm_result CSM_CALL csm_retire(csm_context *context, uint64_t frame) {
 
 /* ---- switching ---- */
 
-/* Maps on the new device for all cascades, in the order of the context's list. */
-static csm_result make_all_maps(csm_context *context, device *fresh, cascade_maps ***out) {
+/* Maps and programs on the new device for all cascades, in the order of the context's list. */
+static csm_result make_all_resources(csm_context *context, device *fresh, cascade_resources **out) {
   uint32_t count = 0;
   for (const csm_cascades *c = context->cascades; c; c = c->next)
     ++count;
-  cascade_maps **maps = context_allocate(context, (count + 1) * sizeof *maps);
-  if (!maps)
+  cascade_resources *resources = context_allocate(context, (count + 1) * sizeof *resources);
+  if (!resources)
     return CSM_ERROR_OUT_OF_MEMORY;
   csm_result result = CSM_SUCCESS;
   uint32_t made = 0;
   for (const csm_cascades *c = context->cascades; c && !result; c = c->next) {
-    result = maps_create(fresh, &c->config, &maps[made]);
+    result = resources_create(fresh, &c->config, NULL, &resources[made]);
     made += !result;
   }
   if (result) {
     while (made)
-      maps_free(fresh, &maps[--made]->retired);
-    context_release(context, maps);
+      resources_free(fresh, &resources[--made]);
+    context_release(context, resources);
     return result;
   }
-  *out = maps;
+  *out = resources;
   return CSM_SUCCESS;
 }
 
 /* From here on nothing can fail. */
-static void change_device(csm_context *context, device *fresh, cascade_maps *const *maps) {
+static void change_device(csm_context *context, device *fresh, const cascade_resources *resources) {
   device *old = context->device;
   for (csm_cascades *c = context->cascades; c; c = c->next)
-    cascades_move(c, old, *maps++);
+    cascades_move(c, old, resources++);
   context->device = fresh;
   if (old->own || old->lost) {
     device_close(old);
@@ -176,7 +176,7 @@ csm_result CSM_CALL csm_switch_backend(csm_context *context, const csm_create_in
   csm_create_info info;
   const char *text;
   device *fresh;
-  cascade_maps **maps;
+  cascade_resources *resources;
   csm_result result = context_check_struct(context, struct_read(&info, sizeof info, in), "csm_create_info");
   if (result)
     return result;
@@ -188,12 +188,12 @@ csm_result CSM_CALL csm_switch_backend(csm_context *context, const csm_create_in
   if (!result)
     result = meshes_move(context, fresh);
   if (!result)
-    result = make_all_maps(context, fresh, &maps);
+    result = make_all_resources(context, fresh, &resources);
   if (result) {
     device_close(fresh);
     return refuse(&info, result, context->error);
   }
-  change_device(context, fresh, maps);
-  context_release(context, maps);
+  change_device(context, fresh, resources);
+  context_release(context, resources);
   return CSM_SUCCESS;
 }

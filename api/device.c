@@ -39,12 +39,12 @@ static csm_result open_backend(device *device, const csm_create_info *info) {
 
 static void programs_free(device *device, uint32_t index) {
   const pass_gpu gpu = device->gpu;
-  depth_programs *programs = &device->programs;
-  gpu_program **const made[] = {&programs->cascade[index], &programs->camera[0][index], &programs->camera[1][index]};
-  for (size_t i = 0; i < sizeof made / sizeof made[0]; ++i) {
-    gpu.api->program_destroy(gpu.device, *made[i]);
-    *made[i] = NULL;
+  for (int reversed = 0; reversed < 2; ++reversed) {
+    gpu.api->program_destroy(gpu.device, device->programs.camera[reversed][index]);
+    device->programs.camera[reversed][index] = NULL;
   }
+  for (caster_programs *casters = device->casters; casters; casters = casters->next)
+    caster_programs_remove_shape(device, casters, index);
 }
 
 csm_result device_programs(device *device, pass_vertices vertices, uint32_t *index) {
@@ -56,28 +56,41 @@ csm_result device_programs(device *device, pass_vertices vertices, uint32_t *ind
   if (*index == DEVICE_MAX_SHAPES)
     return context_fail(device->context, CSM_ERROR_LIMIT_EXCEEDED, "meshes have more than %d shapes of vertices",
                         DEVICE_MAX_SHAPES);
-  csm_result result = device_check(device, cascade_depth_program(device->gpu, vertices, &programs->cascade[*index]),
-                                   "the cascade depth program");
+  programs->vertices[*index] = vertices;
+  csm_result result = CSM_SUCCESS;
   for (int reversed = 0; reversed < 2 && !result; ++reversed)
     result =
         device_check(device, camera_depth_program(device->gpu, reversed, vertices, &programs->camera[reversed][*index]),
                      "a camera depth program");
+  for (caster_programs *casters = device->casters; casters && !result; casters = casters->next)
+    result = caster_programs_add_shape(device, casters, *index);
   if (result) {
     programs_free(device, *index);
     return result;
   }
-  programs->vertices[programs->count++] = vertices;
+  ++programs->count;
   return CSM_SUCCESS;
 }
 
+csm_result device_mask_programs(device *device, const csm_config *config) {
+  csm_result result = CSM_SUCCESS;
+  for (int normals = 0; normals < 2 && !result; ++normals) {
+    const mask_kind kind = {.filter = config->filter, .normals = normals};
+    gpu_program **program = &device->mask_programs[mask_kind_index(&kind)];
+    if (!*program)
+      result = device_check(device, mask_program(device->gpu, &kind, program), "a mask program");
+  }
+  for (int coarse = 0; coarse < 2 && !result && config->sample_distribution != CSM_SAMPLES_OFF; ++coarse)
+    if (!device->tiles_programs[coarse])
+      result = device_check(device, depth_tiles_program(device->gpu, coarse, &device->tiles_programs[coarse]),
+                            "a depth tiles program");
+  return result;
+}
+
+/* Of copied opaque meshes, so that there is always one. */
 static csm_result make_programs(device *device) {
   uint32_t first;
-  csm_result result = device_programs(device, (pass_vertices){.stride = copied_stride}, &first);
-  for (uint32_t i = 0; i < MASK_KINDS && !result; ++i) {
-    const mask_kind kind = mask_kind_at(i);
-    result = device_check(device, mask_program(device->gpu, &kind, &device->mask_programs[i]), "a mask program");
-  }
-  return result;
+  return device_programs(device, (pass_vertices){.stride = copied_stride}, &first);
 }
 
 csm_result device_open(csm_context *context, const csm_create_info *info, device **out) {
@@ -111,10 +124,13 @@ static void destroy_objects(device *device) {
   geometry_destroy(device);
   opacity_destroy(device);
   recording_destroy(device);
+  caster_programs_destroy(device);
   for (uint32_t i = 0; i < device->programs.count; ++i)
     programs_free(device, i);
   for (uint32_t i = 0; i < MASK_KINDS; ++i)
     gpu.api->program_destroy(gpu.device, device->mask_programs[i]);
+  for (int coarse = 0; coarse < 2; ++coarse)
+    gpu.api->program_destroy(gpu.device, device->tiles_programs[coarse]);
   gpu.api->close(gpu.device);
 }
 

@@ -34,13 +34,22 @@ typedef struct geometry {
   uint64_t bytes;
 } geometry;
 
-/* Programs that draw vertices, by their shape. The first is that of copied opaque meshes. */
+/* Shapes of vertices, and the programs that draw each into a camera's depth. The first is that of copied opaque meshes.
+ */
 typedef struct depth_programs {
   uint32_t count;
   pass_vertices vertices[DEVICE_MAX_SHAPES];
-  gpu_program *cascade[DEVICE_MAX_SHAPES];
   gpu_program *camera[2][DEVICE_MAX_SHAPES]; /* plain, reversed */
 } depth_programs;
+
+/* Programs that draw casters as some cascades' configuration has them drawn. */
+typedef struct caster_programs {
+  retired retired;
+  struct caster_programs *next;
+  uint32_t users;
+  pass_casters casters;
+  gpu_program *programs[3][DEVICE_MAX_SHAPES]; /* by gpu_cull; NULL where none is needed */
+} caster_programs;
 
 /* An opacity texture, by slot of the context. */
 typedef struct opacity_image opacity_image;
@@ -108,7 +117,9 @@ struct device {
   geometry geometry;
   opacity_images opacities;
   depth_programs programs;
-  gpu_program *mask_programs[MASK_KINDS]; /* by mask_kind_index */
+  caster_programs *casters;
+  gpu_program *mask_programs[MASK_KINDS]; /* by mask_kind_index; NULL until a configuration asks for one */
+  gpu_program *tiles_programs[2];         /* small and large tiles; likewise */
 };
 
 /* ---- device.c ---- */
@@ -119,6 +130,18 @@ csm_result device_open(csm_context *context, const csm_create_info *info, device
 void device_close(device *device);
 /* The index of the programs for vertices, made if they are not there. Errors: those of creation, LIMIT_EXCEEDED. */
 csm_result device_programs(device *device, pass_vertices vertices, uint32_t *index);
+/* Makes the programs that masks of a configuration need, where they are not there. Errors: those of creation. */
+csm_result device_mask_programs(device *device, const csm_config *config);
+
+/* ---- caster_programs.c ---- */
+
+/* The programs for a configuration, made if no cascades have them; to be given back. Errors: those of creation. */
+csm_result caster_programs_take(device *device, const csm_config *config, caster_programs **out);
+/* NULL is allowed. */
+void caster_programs_give_back(device *device, caster_programs *programs);
+csm_result caster_programs_add_shape(device *device, caster_programs *programs, uint32_t shape);
+void caster_programs_remove_shape(device *device, caster_programs *programs, uint32_t shape);
+void caster_programs_destroy(device *device);
 
 /* ---- memory.c ---- */
 

@@ -14,8 +14,15 @@ static csm_result make_plan(csm_cascades *cascades, const csm_frame *frame, plan
   if (result)
     return result;
   const char *text = "";
-  result = plan_frame_make(&out->frame, &cascades->config, frame->view, frame->projection, frame->light_direction,
-                           &out->scene, (char *)out->memory + scene, &text);
+  samples_collect(cascades);
+  const plan_frame_info info = {.config = &cascades->config,
+                                .view = frame->view,
+                                .projection = frame->projection,
+                                .light = frame->light_direction,
+                                .scene = &out->scene,
+                                .before = &cascades->history,
+                                .samples = &cascades->samples};
+  result = plan_frame_make(&out->frame, &info, (char *)out->memory + scene, &text);
   return result ? context_fail(context, result, "csm_frame: %s", text) : CSM_SUCCESS;
 }
 
@@ -49,17 +56,21 @@ typedef struct engine_draw {
   device *device;
   const csm_frame *frame;
   const plan_frame *plan;
-  uint32_t resolution;
+  const csm_cascades *cascades;
 } engine_draw;
 
 static void call_engine(void *user, uint32_t cascade) {
   const engine_draw *draw = user;
+  const plan_rect *rect = &draw->cascades->resources.maps->layout.rects[cascade];
   gpu_native_pass native;
   draw->device->gpu.api->pass_native(draw->device->gpu.device, &native);
   csm_draw_info info = {
       .struct_size = sizeof info,
       .cascade = cascade,
-      .resolution = draw->resolution,
+      .resolution = rect->side,
+      .x = rect->x,
+      .y = rect->y,
+      .reversed = draw->cascades->config.map_reversed,
       .depth_format = native.depth_format,
       .command_buffer = native.command_buffer,
       .render_pass = native.render_pass,
@@ -74,12 +85,16 @@ static void call_engine(void *user, uint32_t cascade) {
 static void record(csm_cascades *cascades, const csm_frame *frame, const planned *planned, const ring_range *ring,
                    const uint64_t *offsets) {
   device *device = cascades->context->device;
-  engine_draw engine = {
-      .device = device, .frame = frame, .plan = &planned->frame, .resolution = cascades->maps->resolution};
+  const cascade_maps *maps = cascades->resources.maps;
+  const caster_programs *casters = cascades->resources.casters;
+  engine_draw engine = {.device = device, .frame = frame, .plan = &planned->frame, .cascades = cascades};
   cascade_depth_pass pass = {
-      .programs = device->programs.cascade,
-      .maps = cascades->maps->image,
-      .targets = cascades->maps->targets,
+      .casters = &casters->casters,
+      .programs = {casters->programs[GPU_CULL_NONE], casters->programs[GPU_CULL_BACK],
+                   casters->programs[GPU_CULL_FRONT]},
+      .maps = maps->image,
+      .targets = maps->targets,
+      .layout = &maps->layout,
       .plan = &planned->frame,
       .meshes = device->geometry.meshes,
       .matrices = ring->buffer,
@@ -132,6 +147,7 @@ csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame 
     return result;
 
   cascades->current = !cascades->current;
+  cascades->history = next->frame.history;
   cascades->drawn = true;
   cascades->stats.plan_ms = planned_ms - begin_ms + (written_ms - ready_ms);
   cascades->stats.record_ms = clock_ms() - written_ms;

@@ -262,7 +262,7 @@ static csm_result add_opacity(device *device, const csm_mesh_info *info, geometr
     return result;
   opacity_write(device->gpu.api->buffer_memory(place->constants), &context->opacities.infos[slot], info->alpha_cutoff);
   const gpu_bindings_info reads =
-      opacity_inputs(device->programs.cascade[mesh->programs], place->constants, opacity_texture(device, slot));
+      opacity_inputs(device->programs.camera[0][mesh->programs], place->constants, opacity_texture(device, slot));
   result = device_check(device, device->gpu.api->bindings_create(device->gpu.device, &reads, &place->opacity),
                         "an alpha-tested mesh's bindings");
   mesh->opacity = place->opacity;
@@ -348,6 +348,7 @@ csm_result geometry_add(device *device, uint32_t slot, const csm_mesh_info *info
     return result;
   }
   mesh.index_count = info->index_count;
+  mesh.two_sided = info->flags & CSM_MESH_TWO_SIDED;
   geometry->meshes[slot] = mesh;
   geometry->places[slot] = place;
   geometry->bytes += place->size;

@@ -13,6 +13,7 @@ typedef struct resolve {
   mask_input *input;
   gpu_image *depth, *normals; /* the engine's, or NULL */
   bool unorm_normals;
+  sample_read *samples; /* NULL: none are wanted */
   ring_range ring;
   uint64_t matrices_size;
 } resolve;
@@ -91,8 +92,7 @@ static csm_result import(device *device, const csm_mask_info *info, const void *
 /* ---- reserving and recording ---- */
 
 static gpu_program *choose_program(const csm_cascades *cascades, const resolve *r) {
-  const mask_kind kind = {
-      .filter = cascades->config.filter, .bias_mode = cascades->config.bias_mode, .normals = r->normals != NULL};
+  const mask_kind kind = {.filter = cascades->config.filter, .normals = r->normals != NULL};
   return cascades->context->device->mask_programs[mask_kind_index(&kind)];
 }
 
@@ -101,7 +101,8 @@ static csm_result reserve(csm_cascades *cascades, resolve *r) {
   const uint64_t matrices = (uint64_t)r->list.instance_count * PASS_CAMERA_ROWS * 4 * sizeof(float);
   r->matrices_size = (matrices + ring_alignment - 1) / ring_alignment * ring_alignment;
   bool ignored;
-  csm_result result = recording_prepare(device, r->frame.frame, r->matrices_size + MASK_BLOCKS, &r->ring);
+  csm_result result =
+      recording_prepare(device, r->frame.frame, r->matrices_size + MASK_BLOCKS + DEPTH_TILES_BLOCKS, &r->ring);
   if (!result)
     result = mask_prepare(cascades, r->info.width, r->info.height, !r->info.camera_depth, &r->mask);
   if (!result)
@@ -110,8 +111,13 @@ static csm_result reserve(csm_cascades *cascades, resolve *r) {
     result = import(device, &r->info, r->info.normals, "csm_mask_info: normals", &r->normals, &r->unorm_normals);
   if (result)
     return result;
-  const gpu_bindings_info reads = mask_inputs(choose_program(cascades, r), r->ring.buffer, cascades->maps->image,
-                                              r->depth ? r->depth : r->mask->depth, r->normals);
+  gpu_image *depth = r->depth ? r->depth : r->mask->depth;
+  if (cascades->config.sample_distribution != CSM_SAMPLES_OFF)
+    result = samples_prepare(cascades, &r->camera, r->info.width, r->info.height, r->ring.buffer, depth, &r->samples);
+  if (result)
+    return result;
+  const gpu_bindings_info reads =
+      mask_inputs(choose_program(cascades, r), r->ring.buffer, cascades->resources.maps->image, depth, r->normals);
   return mask_input_find(cascades, r->mask, &reads, r->normals != NULL, &r->input);
 }
 
@@ -123,6 +129,7 @@ static void write_ring(const csm_cascades *cascades, const resolve *r) {
   plan_write_constants((float *)blocks, plan, &cascades->config);
   plan_write_mask_constants((float *)(blocks + MASK_CASCADES_BLOCK), plan, &r->camera, r->mask->width, r->mask->height,
                             r->unorm_normals);
+  depth_tiles_write(blocks + MASK_BLOCKS, r->mask->width, r->mask->height, r->camera.reversed ? 0.0f : 1.0f);
 }
 
 static void record_depth(csm_cascades *cascades, const resolve *r) {
@@ -150,10 +157,13 @@ static void record(csm_cascades *cascades, const resolve *r) {
   record_depth(cascades, r);
   if (timed)
     gpu.api->timestamp(gpu.device, first + 1);
+  const uint32_t blocks = (uint32_t)(r->ring.offset + r->matrices_size);
   mask_record(gpu, &(mask_pass){.program = choose_program(cascades, r),
                                 .bindings = r->input->bindings,
                                 .target = r->mask->mask_target,
-                                .constants_offset = (uint32_t)(r->ring.offset + r->matrices_size)});
+                                .constants_offset = blocks});
+  if (r->samples)
+    samples_record(cascades, r->samples, blocks + MASK_BLOCKS);
   if (timed)
     gpu.api->timestamp(gpu.device, first + 2);
 }

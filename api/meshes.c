@@ -100,7 +100,7 @@ static csm_result check_engines(const device *device, const csm_mesh_info *info)
 static csm_result check_shape(csm_context *context, csm_mesh_info *info) {
   if (!info->position_stride)
     info->position_stride = 3 * sizeof(float);
-  const char *wrong = info->flags                                               ? "flags"
+  const char *wrong = info->flags & ~(uint32_t)CSM_MESH_TWO_SIDED               ? "flags"
                       : info->position_stride % 4 || info->position_stride < 12 ? "position_stride"
                       : !info->vertex_count || info->vertex_count > INT32_MAX   ? "vertex_count"
                       : !info->index_count || info->index_count % 3             ? "index_count"

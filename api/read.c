@@ -4,11 +4,11 @@
 
 enum { row_alignment = 256 };
 
-/* An image's layer, and how to turn its texels into floats. */
+/* Part of an image, and how to turn its texels into floats. */
 typedef struct source {
   gpu_image *image;
-  uint32_t layer, width, height;
-  uint32_t texel_bytes; /* 4: floats, 1: unorm */
+  gpu_region region;
+  uint32_t texel_bytes; /* 4: floats, 2 and 1: unorm */
 } source;
 
 static csm_result find_source(csm_cascades *cascades, const csm_read_info *info, source *out) {
@@ -22,30 +22,44 @@ static csm_result find_source(csm_cascades *cascades, const csm_read_info *info,
                           cascades->config.cascade_count);
     if (!cascades->drawn)
       return context_fail(context, CSM_ERROR_INVALID_STATE, "no maps have been drawn with this configuration yet");
-    *out = (source){cascades->maps->image, info->cascade, cascades->maps->resolution, cascades->maps->resolution, 4};
+    const cascade_maps *maps = cascades->resources.maps;
+    const plan_rect *rect = &maps->layout.rects[info->cascade];
+    *out = (source){
+        .image = maps->image,
+        .region = {.layer = rect->layer, .x = rect->x, .y = rect->y, .width = rect->side, .height = rect->side},
+        .texel_bytes = maps->format == GPU_FORMAT_D16_UNORM ? 2 : 4};
     return CSM_SUCCESS;
   }
   if (!mask || !(info->source == CSM_READ_MASK ? mask->drawn : mask->depth_drawn))
     return context_fail(context, CSM_ERROR_INVALID_STATE, "no mask has been resolved yet");
-  *out = info->source == CSM_READ_MASK ? (source){mask->mask, 0, mask->width, mask->height, 1}
-                                       : (source){mask->depth, 0, mask->width, mask->height, 4};
+  const bool wants_mask = info->source == CSM_READ_MASK;
+  *out = (source){.image = wants_mask ? mask->mask : mask->depth,
+                  .region = {.width = mask->width, .height = mask->height},
+                  .texel_bytes = wants_mask ? 1 : 4};
   return CSM_SUCCESS;
 }
 
-static void unpack(const source *from, const unsigned char *rows, uint32_t row_bytes, float *out) {
-  for (uint32_t y = 0; y < from->height; ++y, rows += row_bytes, out += from->width) {
-    if (from->texel_bytes == sizeof(float)) {
-      memcpy(out, rows, from->width * sizeof(float));
-    } else {
-      for (uint32_t x = 0; x < from->width; ++x)
-        out[x] = (float)rows[x] / 255.0f;
-    }
+static void unpack_row(const source *from, const unsigned char *row, float *out) {
+  if (from->texel_bytes == sizeof(float)) {
+    memcpy(out, row, from->region.width * sizeof(float));
+    return;
+  }
+  for (uint32_t x = 0; x < from->region.width; ++x) {
+    uint16_t wide;
+    memcpy(&wide, row + x * from->texel_bytes, from->texel_bytes == 2 ? sizeof wide : 0);
+    out[x] = from->texel_bytes == 2 ? (float)wide / 65535.0f : (float)row[x] / 255.0f;
   }
 }
 
+static void unpack(const source *from, const unsigned char *rows, uint32_t row_bytes, float *out) {
+  for (uint32_t y = 0; y < from->region.height; ++y, rows += row_bytes, out += from->region.width)
+    unpack_row(from, rows, out);
+}
+
 static csm_result copy_out(device *device, const source *from, float *data) {
-  const uint32_t row_bytes = (from->width * from->texel_bytes + row_alignment - 1) / row_alignment * row_alignment;
-  const uint64_t size = (uint64_t)row_bytes * from->height;
+  const uint32_t row_bytes =
+      (from->region.width * from->texel_bytes + row_alignment - 1) / row_alignment * row_alignment;
+  const uint64_t size = (uint64_t)row_bytes * from->region.height;
   gpu_buffer *buffer;
   ring_range ring = {0};
   csm_result result = device_buffer(
@@ -56,7 +70,7 @@ static csm_result copy_out(device *device, const source *from, float *data) {
   if (!result)
     result = recording_begin(device, NULL);
   if (!result) {
-    device->gpu.api->copy_image(device->gpu.device, buffer, 0, row_bytes, from->image, from->layer);
+    device->gpu.api->copy_image(device->gpu.device, buffer, 0, row_bytes, from->image, &from->region);
     result = recording_end(device);
   }
   if (!result)
@@ -81,7 +95,7 @@ csm_result CSM_CALL csm_read(csm_cascades *cascades, const csm_read_info *in) {
     result = find_source(cascades, &info, &from);
   if (result)
     return result;
-  const uint64_t size = (uint64_t)from.width * from.height * sizeof(float);
+  const uint64_t size = (uint64_t)from.region.width * from.region.height * sizeof(float);
   if (!info.data)
     return context_fail(context, CSM_ERROR_NULL_POINTER, "csm_read_info: data is NULL");
   if (info.size != size)

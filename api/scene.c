@@ -39,7 +39,7 @@ static csm_result instance_read(csm_context *context, uint32_t index, const csm_
     return context_fail(context, result, "instance %u: the transform is %s", index,
                         result == CSM_ERROR_NOT_FINITE ? "not finite" : "singular or not affine");
   out->mesh = mesh;
-  out->reserved = 0;
+  out->mirrored = plan_mirrors(in->transform);
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 4; ++column)
       out->transform[row * 4 + column] = in->transform[column * 4 + row];

@@ -33,7 +33,7 @@ csm_result CSM_CALL csm_get_stats(csm_cascades *cascades, csm_stats *out) {
   if (cascades->drawn)
     stats.plan_hash = plan_hash(&planned->frame, &cascades->config, &planned->scene);
   const device *device = context->device;
-  stats.map_bytes = device->gpu.api->image_bytes(cascades->maps->image);
+  stats.map_bytes = device->gpu.api->image_bytes(cascades->resources.maps->image);
   if (cascades->mask)
     stats.mask_bytes = device->gpu.api->image_bytes(cascades->mask->mask);
   if (cascades->mask && cascades->mask->depth)
@@ -49,12 +49,12 @@ csm_result CSM_CALL csm_get_stats(csm_cascades *cascades, csm_stats *out) {
 static void bind_images(csm_cascades *cascades, csm_binding *binding) {
   const pass_gpu gpu = cascades->context->device->gpu;
   gpu_native_image native;
-  gpu.api->image_native(gpu.device, cascades->maps->image, &native);
+  gpu.api->image_native(gpu.device, cascades->resources.maps->image, &native);
   binding->native_maps = native.image;
   binding->native_maps_view = native.view;
-  binding->native_sampler = native.sampler;
+  binding->native_sampler = cascades->config.map_reversed ? native.sampler_reversed : native.sampler;
   if (binding->maps_descriptor)
-    gpu.api->image_describe(gpu.device, cascades->maps->image, binding->maps_descriptor);
+    gpu.api->image_describe(gpu.device, cascades->resources.maps->image, binding->maps_descriptor);
   if (!cascades->mask || !cascades->mask->drawn)
     return;
   gpu.api->image_native(gpu.device, cascades->mask->mask, &native);
@@ -77,12 +77,14 @@ csm_result CSM_CALL csm_bind(csm_cascades *cascades, csm_binding *out) {
     return result;
   const plan_frame *plan = &cascades->plans[cascades->current].frame;
   csm_binding binding = {.cascade_count = plan->cascade_count,
-                         .resolution = cascades->maps->resolution,
+                         .resolution = cascades->config.resolution,
                          .maps_descriptor = given.maps_descriptor,
                          .mask_descriptor = given.mask_descriptor};
   memcpy(binding.origin, plan->camera.position, sizeof binding.origin);
-  for (uint32_t i = 0; i < plan->cascade_count; ++i)
+  for (uint32_t i = 0; i < plan->cascade_count; ++i) {
     binding.cascades[i] = plan->cascades[i].info;
+    binding.resolutions[i] = plan->cascades[i].resolution;
+  }
   binding.constants_size = plan_write_constants(binding.constants, plan, &cascades->config);
   bind_images(cascades, &binding);
   struct_write(out, sizeof binding, &binding);

@@ -33,8 +33,12 @@ static void strew(plan_instance *instances, uint32_t own, uint32_t count) {
 
 static int plan_once(bench_plan *plan, const host_setup *setup) {
   const char *error = NULL;
-  const csm_result result = plan_frame_make(&plan->frame, &setup->config, setup->camera.view, setup->camera.projection,
-                                            setup->light.direction, &plan->scene, plan->memory, &error);
+  const plan_frame_info info = {.config = &setup->config,
+                                .view = setup->camera.view,
+                                .projection = setup->camera.projection,
+                                .light = setup->light.direction,
+                                .scene = &plan->scene};
+  const csm_result result = plan_frame_make(&plan->frame, &info, plan->memory, &error);
   if (result != CSM_SUCCESS)
     return host_fail(HOST_BAD_INPUT, "cannot plan the frame: %s", error ? error : csm_result_name(result));
   return 0;

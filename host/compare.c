@@ -50,7 +50,6 @@ static void compare_masks(agreement *out, const float *a, const float *b, size_t
 
 void compare_frames(agreement *out, const stage *a, const stage_frame *frame_a, const stage *b,
                     const stage_frame *frame_b) {
-  const size_t texels = (size_t)frame_a->binding.resolution * frame_a->binding.resolution;
   const size_t pixels = (size_t)a->setup->width * a->setup->height;
   *out = (agreement){.cascade_count = frame_a->binding.cascade_count,
                      .allowed_ulp = strcmp(a->device, b->device) == 0 ? 0 : 2,
@@ -58,7 +57,7 @@ void compare_frames(agreement *out, const stage *a, const stage_frame *frame_a, 
                                     bindings_equal(&frame_a->binding, &frame_b->binding),
                      .depth_agrees = true};
   for (uint32_t k = 0; k < out->cascade_count; k++) {
-    out->maps[k] = compare_depths(frame_a->maps[k], frame_b->maps[k], texels);
+    out->maps[k] = compare_depths(frame_a->maps[k], frame_b->maps[k], stage_map_texels(frame_a, k));
     out->depth_agrees = out->depth_agrees && within(&out->maps[k], out->allowed_ulp);
   }
   out->camera_depth = compare_depths(frame_a->camera_depth, frame_b->camera_depth, pixels);

@@ -45,16 +45,26 @@ static int read_enum(void *to, const csm_config_field *field, const json_t *valu
   return host_fail(HOST_BAD_INPUT, "--config: '%s' has no value '%s'", field->name, json_string_value(value));
 }
 
-static int read_doubles(double *to, const csm_config_field *field, const json_t *value) {
+static bool is_array(const csm_config_field *field) {
+  return field->type == CSM_FIELD_DOUBLES || field->type == CSM_FIELD_UINTS;
+}
+
+static int read_array(void *to, const csm_config_field *field, const json_t *value) {
   if (!json_is_array(value) || json_array_size(value) > field->length)
     return host_fail(HOST_BAD_INPUT, "--config: '%s' must be an array of up to %u numbers", field->name, field->length);
-  memset(to, 0, field->length * sizeof *to);
-  for (size_t i = 0; i < json_array_size(value); i++) {
-    if (!json_is_number(json_array_get(value, i)))
-      return wrong_type(field->name, "an array of numbers");
-    to[i] = json_number_value(json_array_get(value, i));
+  const bool doubles = field->type == CSM_FIELD_DOUBLES;
+  memset(to, 0, field->length * (doubles ? sizeof(double) : sizeof(uint32_t)));
+  int code = 0;
+  for (size_t i = 0; i < json_array_size(value) && code == 0; i++) {
+    const json_t *element = json_array_get(value, i);
+    if (!json_is_number(element))
+      code = wrong_type(field->name, "an array of numbers");
+    else if (doubles)
+      ((double *)to)[i] = json_number_value(element);
+    else
+      code = read_uint((uint32_t *)to + i, field->name, element);
   }
-  return 0;
+  return code;
 }
 
 static int read_field(csm_config *config, const csm_config_field *field, const json_t *value) {
@@ -63,8 +73,8 @@ static int read_field(csm_config *config, const csm_config_field *field, const j
     return read_uint(to, field->name, value);
   if (field->type == CSM_FIELD_ENUM)
     return read_enum(to, field, value);
-  if (field->type == CSM_FIELD_DOUBLES)
-    return read_doubles(to, field, value);
+  if (is_array(field))
+    return read_array(to, field, value);
   if (!json_is_number(value))
     return wrong_type(field->name, "a number");
   *(double *)to = json_number_value(value);
@@ -96,7 +106,7 @@ int config_load(csm_config *out, const char *path, double shadow_distance) {
 /* ---- writing ---- */
 
 static json_t *number_to_json(uint32_t type, double value) {
-  return type == CSM_FIELD_UINT ? json_integer((json_int_t)value) : json_real(value);
+  return type == CSM_FIELD_UINT || type == CSM_FIELD_UINTS ? json_integer((json_int_t)value) : json_real(value);
 }
 
 static json_t *field_to_json(const csm_config *config, const csm_config_field *field) {
@@ -109,7 +119,9 @@ static json_t *field_to_json(const csm_config *config, const csm_config_field *f
     return json_real(*(const double *)from);
   json_t *array = json_array();
   for (uint32_t i = 0; i < field->length; i++)
-    json_array_append_new(array, json_real(((const double *)from)[i]));
+    json_array_append_new(array,
+                          number_to_json(field->type, field->type == CSM_FIELD_DOUBLES ? ((const double *)from)[i]
+                                                                                       : ((const uint32_t *)from)[i]));
   return array;
 }
 
@@ -141,7 +153,8 @@ json_t *config_describe_json(void) {
   static const char *const types[] = {[CSM_FIELD_UINT] = "uint",
                                       [CSM_FIELD_DOUBLE] = "double",
                                       [CSM_FIELD_ENUM] = "enum",
-                                      [CSM_FIELD_DOUBLES] = "doubles"};
+                                      [CSM_FIELD_DOUBLES] = "doubles",
+                                      [CSM_FIELD_UINTS] = "uints"};
   csm_config standard = {.struct_size = sizeof standard};
   csm_config_default(&standard);
   json_t *all = json_object();

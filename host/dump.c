@@ -139,7 +139,7 @@ int dump_frame(const char *folder, const stage *s, const stage_frame *frame, jso
     code = dump_ply(&setup->scene, path);
   for (uint32_t k = 0; code == 0 && k < frame->binding.cascade_count; k++) {
     snprintf(path, sizeof path, "%s/depth_%u.pfm", name, k);
-    code = dump_pfm(frame->maps[k], frame->binding.resolution, frame->binding.resolution, path);
+    code = dump_pfm(frame->maps[k], frame->binding.resolutions[k], frame->binding.resolutions[k], path);
   }
   snprintf(path, sizeof path, "%s/camera_depth.pfm", name);
   if (code == 0)

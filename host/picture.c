@@ -132,28 +132,41 @@ void picture_mask(image *out, const picture_view *view, const float *mask) {
 
 /* ---- depth maps ---- */
 
-static void depth_range(const float *map, uint32_t resolution, float *nearest, float *farthest) {
-  *nearest = 1.0f;
-  *farthest = 0.0f;
-  for (size_t i = 0; i < (size_t)resolution * resolution; i++)
-    if (map[i] < 1.0f) {
-      *nearest = fminf(*nearest, map[i]);
-      *farthest = fmaxf(*farthest, map[i]);
+/* A map as it is shown: depth from the light, 1 where nothing was drawn. */
+typedef struct shown_map {
+  const float *depths;
+  uint32_t resolution;
+  bool reversed;
+  float nearest, scale;
+} shown_map;
+
+static float shown_depth(const shown_map *map, size_t texel) {
+  return map->reversed ? 1.0f - map->depths[texel] : map->depths[texel];
+}
+
+static void find_range(shown_map *map) {
+  float nearest = 1.0f, farthest = 0.0f;
+  for (size_t i = 0; i < (size_t)map->resolution * map->resolution; i++)
+    if (shown_depth(map, i) < 1.0f) {
+      nearest = fminf(nearest, shown_depth(map, i));
+      farthest = fmaxf(farthest, shown_depth(map, i));
     }
+  map->nearest = nearest;
+  map->scale = farthest > nearest ? 1.0f / (farthest - nearest) : 0.0f;
 }
 
 /* The mean colour of the texels that fall on one pixel. */
-static void map_pixel(float color[3], const float *map, uint32_t resolution, uint32_t tile, uint32_t x, uint32_t y,
-                      float nearest, float scale) {
+static void map_pixel(float color[3], const shown_map *map, uint32_t tile, uint32_t x, uint32_t y) {
   static const float empty[3] = {0.03f, 0.05f, 0.16f};
+  const uint32_t resolution = map->resolution;
   const uint32_t left = x * resolution / tile, right = (x + 1) * resolution / tile;
   const uint32_t top = y * resolution / tile, bottom = (y + 1) * resolution / tile;
   float sum[3] = {0};
   uint32_t count = 0;
   for (uint32_t row = top; row < bottom || row == top; row++)
     for (uint32_t column = left; column < right || column == left; column++) {
-      const float depth = map[(size_t)row * resolution + column];
-      const float closeness = 0.04f + 0.9f * (1.0f - (depth - nearest) * scale);
+      const float depth = shown_depth(map, (size_t)row * resolution + column);
+      const float closeness = 0.04f + 0.9f * (1.0f - (depth - map->nearest) * map->scale);
       for (int i = 0; i < 3; i++)
         sum[i] += depth < 1.0f ? closeness * closeness : empty[i];
       count++;
@@ -162,19 +175,21 @@ static void map_pixel(float color[3], const float *map, uint32_t resolution, uin
     color[i] = sum[i] / (float)count;
 }
 
-void picture_maps(image *out, const float *const *maps, uint32_t count, uint32_t resolution) {
-  const uint32_t gap = 6, tile = resolution < MAP_TILE ? resolution : MAP_TILE;
-  const uint32_t columns = count < 4 ? count : 4, rows = (count + columns - 1) / columns;
+void picture_maps(image *out, const float *const *maps, uint32_t count, const uint32_t *resolutions, bool reversed) {
+  uint32_t tile = 0;
+  for (uint32_t k = 0; k < count; k++)
+    tile = resolutions[k] > tile ? resolutions[k] : tile;
+  tile = tile < MAP_TILE ? tile : MAP_TILE;
+  const uint32_t gap = 6, columns = count < 4 ? count : 4, rows = (count + columns - 1) / columns;
   image_create(out, columns * (tile + gap) - gap, rows * (tile + gap) - gap);
   memset(out->pixels, 255, (size_t)out->width * out->height * 3);
   for (uint32_t k = 0; k < count; k++) {
-    float nearest, farthest;
-    depth_range(maps[k], resolution, &nearest, &farthest);
-    const float scale = farthest > nearest ? 1.0f / (farthest - nearest) : 0.0f;
+    shown_map map = {.depths = maps[k], .resolution = resolutions[k], .reversed = reversed};
+    find_range(&map);
     for (uint32_t y = 0; y < tile; y++)
       for (uint32_t x = 0; x < tile; x++) {
         float color[3];
-        map_pixel(color, maps[k], resolution, tile, x, y, nearest, scale);
+        map_pixel(color, &map, tile, x, y);
         image_set(out, k % columns * (tile + gap) + x, k / columns * (tile + gap) + y, color);
       }
   }

@@ -24,7 +24,7 @@ void picture_cascades(image *out, const picture_view *view, const float *mask, c
 void picture_mask(image *out, const picture_view *view, const float *mask);
 /* Depth maps side by side, nearest the light brightest, each stretched to its own range; texels without a caster are
  * blue. */
-void picture_maps(image *out, const float *const *maps, uint32_t count, uint32_t resolution);
+void picture_maps(image *out, const float *const *maps, uint32_t count, const uint32_t *resolutions, bool reversed);
 
 /*
  * The scene in grey with every differing pixel as a red cross, in a red frame; without any, in a green frame.

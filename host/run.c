@@ -216,7 +216,8 @@ static int save_frame(const run *r, const picture_view *view, const stage_frame 
   code = save(&picture, folder, prefix, "cascades");
   if (code)
     return code;
-  picture_maps(&picture, (const float *const *)frame->maps, frame->binding.cascade_count, frame->binding.resolution);
+  picture_maps(&picture, (const float *const *)frame->maps, frame->binding.cascade_count, frame->binding.resolutions,
+               r->setup.config.map_reversed);
   return save(&picture, folder, prefix, "maps");
 }
 

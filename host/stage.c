@@ -232,13 +232,16 @@ static int read_back(stage *s, uint32_t source, uint32_t cascade, size_t count, 
   return read_into(s, source, cascade, count, *out);
 }
 
+size_t stage_map_texels(const stage_frame *frame, uint32_t cascade) {
+  return (size_t)frame->binding.resolutions[cascade] * frame->binding.resolutions[cascade];
+}
+
 int stage_read(stage *s, bool maps, stage_frame *out) {
   *out = (stage_frame){.binding.struct_size = sizeof out->binding};
   int code = exit_code(csm_bind(s->cascades, &out->binding));
-  const size_t texels = (size_t)out->binding.resolution * out->binding.resolution;
   const size_t pixels = (size_t)s->setup->width * s->setup->height;
   for (uint32_t k = 0; maps && code == 0 && k < out->binding.cascade_count; k++)
-    code = read_back(s, CSM_READ_MAP, k, texels, &out->maps[k]);
+    code = read_back(s, CSM_READ_MAP, k, stage_map_texels(out, k), &out->maps[k]);
   if (code == 0)
     code = read_back(s, CSM_READ_MASK, 0, pixels, &out->mask);
   if (code == 0)

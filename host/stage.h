@@ -21,7 +21,7 @@ typedef struct stage {
 typedef struct stage_frame {
   csm_binding binding;
   csm_stats stats;
-  float *maps[CSM_MAX_CASCADES]; /* resolution squared texels each, top row first */
+  float *maps[CSM_MAX_CASCADES]; /* stage_map_texels each, top row first */
   float *mask, *camera_depth;    /* width * height, top row first */
 } stage_frame;
 
@@ -63,6 +63,9 @@ int stage_mask(stage *s, const camera *from, float *mask, float *camera_depth);
  */
 int stage_capture(stage *s, stage_frame *out);
 void stage_frame_free(stage_frame *frame);
+
+/* Texels of a cascade's map. */
+size_t stage_map_texels(const stage_frame *frame, uint32_t cascade);
 
 /* Sum of the clear and every cascade. */
 double stage_depth_ms(const csm_stats *stats);

@@ -99,7 +99,7 @@ static void paint(view *v) {
   image picture;
   if (v->maps)
     picture_maps(&picture, (const float *const *)v->frame.maps, v->frame.binding.cascade_count,
-                 v->frame.binding.resolution);
+                 v->frame.binding.resolutions, v->setup.config.map_reversed);
   else if (v->tint)
     picture_cascades(&picture, &seen, v->frame.mask, &v->frame.binding);
   else

@@ -308,11 +308,13 @@ static void record_frame(smoke *s, uint32_t frame) {
     gpu->pass_bind(s->device, slot->bindings, offsets);
     gpu->pass_draw(s->device, &(gpu_draw){.count = 3, .instance_count = 1});
     gpu->pass_end(s->device);
-    gpu->copy_image(s->device, slot->readback, AT_MASKS + i * MASK_BYTES, SIZE, s->mask, 0);
+    gpu->copy_image(s->device, slot->readback, AT_MASKS + i * MASK_BYTES, SIZE, s->mask,
+                    &(gpu_region){.width = SIZE, .height = SIZE});
   }
   gpu->timestamp(s->device, 2);
   for (uint32_t i = 0; i < LAYERS; i++)
-    gpu->copy_image(s->device, slot->readback, i * LAYER_BYTES, ROW_BYTES, s->map, i);
+    gpu->copy_image(s->device, slot->readback, i * LAYER_BYTES, ROW_BYTES, s->map,
+                    &(gpu_region){.layer = i, .width = SIZE, .height = SIZE});
   end(s);
 }
 
@@ -370,7 +372,7 @@ static const float *draw_plain(smoke *s, gpu_program *program, float clear, cons
     write_rows(rows + i * 12, quads[i]);
   s->gpu->clear_depth(s->device, s->plain, clear);
   draw_pass(s, s->plain_target, program, slot->upload, 0, count, 4);
-  s->gpu->copy_image(s->device, slot->readback, 0, ROW_BYTES, s->plain, 0);
+  s->gpu->copy_image(s->device, slot->readback, 0, ROW_BYTES, s->plain, &(gpu_region){.width = SIZE, .height = SIZE});
   end_and_wait(s, 0);
   return s->gpu->buffer_memory(slot->readback);
 }

@@ -4,23 +4,32 @@
 
 enum { row_bytes = 4 * sizeof(float) };
 
-void draw_list(pass_gpu gpu, gpu_program *const *programs, const plan_list *list, const pass_mesh *meshes,
-               gpu_buffer *matrices, uint64_t offset, uint32_t rows) {
-  uint32_t current = UINT32_MAX;
-  for (uint32_t i = 0; i < list->draw_count; ++i) {
-    const plan_draw *draw = &list->draws[i];
-    const pass_mesh *mesh = &meshes[draw->mesh];
-    if (mesh->programs != current) {
-      current = mesh->programs;
-      gpu.api->pass_program(gpu.device, programs[current]);
+/* Faces that are left out of a draw: a mirrored instance shows its front faces as back ones. */
+static gpu_cull draw_cull(const draw_list_info *info, const plan_draw *draw) {
+  if (info->cull == GPU_CULL_NONE || info->meshes[draw->mesh].two_sided)
+    return GPU_CULL_NONE;
+  const bool front = (info->cull == GPU_CULL_FRONT) != (draw->mirrored != 0);
+  return front ? GPU_CULL_FRONT : GPU_CULL_BACK;
+}
+
+void draw_list(pass_gpu gpu, const draw_list_info *info) {
+  const gpu_program *current = NULL;
+  for (uint32_t i = 0; i < info->list->draw_count; ++i) {
+    const plan_draw *draw = &info->list->draws[i];
+    const pass_mesh *mesh = &info->meshes[draw->mesh];
+    gpu_program *program = info->programs[draw_cull(info, draw)][mesh->programs];
+    if (program != current) {
+      current = program;
+      gpu.api->pass_program(gpu.device, program);
     }
     if (mesh->opacity)
       gpu.api->pass_bind(gpu.device, mesh->opacity, &(uint32_t){0});
     gpu.api->pass_draw(
         gpu.device,
         &(gpu_draw){
-            .streams = {mesh->vertices, matrices, mesh->opacity ? mesh->vertices : NULL},
-            .stream_offsets = {mesh->vertex_offset, offset + (uint64_t)draw->first * rows * row_bytes, mesh->uv_offset},
+            .streams = {mesh->vertices, info->matrices, mesh->opacity ? mesh->vertices : NULL},
+            .stream_offsets = {mesh->vertex_offset, info->offset + (uint64_t)draw->first * info->rows * row_bytes,
+                               mesh->uv_offset},
             .indices = mesh->indices,
             .index_offset = mesh->index_offset,
             .index_size = mesh->index_size,
@@ -50,10 +59,11 @@ csm_result draw_list_program(pass_gpu gpu, const draw_list_kind *kind, pass_vert
       .streams = {{.stride = vertices.stride}, {.stride = kind->rows * row_bytes, .per_instance = true}},
       .attribute_count = 1 + kind->rows,
       .attributes = {{.format = GPU_FORMAT_RGB32_FLOAT}},
-      .depth_format = GPU_FORMAT_D32_FLOAT,
+      .depth_format = kind->format,
       .depth_compare = kind->compare,
       .depth_clip = kind->clip,
-      .cull = GPU_CULL_NONE,
+      .cull = kind->cull,
+      .raster_bias = kind->bias,
   };
   for (uint32_t row = 0; row < kind->rows; ++row)
     info.attributes[1 + row] =

@@ -4,12 +4,17 @@
 
 #include "passes.h"
 
-/*
- * Matrices of `rows` float4 rows each begin at `offset` of `matrices`, in the list's order. `programs` is by
- * pass_mesh.programs.
- */
-void draw_list(pass_gpu gpu, gpu_program *const *programs, const plan_list *list, const pass_mesh *meshes,
-               gpu_buffer *matrices, uint64_t offset, uint32_t rows);
+typedef struct draw_list_info {
+  gpu_program *const *const *programs; /* by gpu_cull, then by pass_mesh.programs */
+  gpu_cull cull;                       /* of meshes that are not two-sided; mirrored ones have it turned around */
+  const plan_list *list;
+  const pass_mesh *meshes;
+  gpu_buffer *matrices; /* `rows` float4 rows each from `offset` on, in the list's order */
+  uint64_t offset;
+  uint32_t rows;
+} draw_list_info;
+
+void draw_list(pass_gpu gpu, const draw_list_info *info);
 
 /* What sets one such program apart. It draws positions into a depth image; there is a pixel
    shader only where an opacity cuts out what is not there. */
@@ -18,8 +23,11 @@ typedef struct draw_list_kind {
   gpu_code vertex;
   gpu_code cut_out_vertex; /* with an opacity */
   uint32_t rows;
+  gpu_format format;
   gpu_compare compare;
   bool clip;
+  gpu_cull cull;
+  gpu_raster_bias bias;
 } draw_list_kind;
 
 csm_result draw_list_program(pass_gpu gpu, const draw_list_kind *kind, pass_vertices vertices, gpu_program **out);

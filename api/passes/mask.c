@@ -2,29 +2,31 @@
 #include "shader_code.h"
 
 uint32_t mask_kind_index(const mask_kind *kind) {
-  return kind->filter * 4 + kind->bias_mode * 2 + kind->normals;
-}
-
-mask_kind mask_kind_at(uint32_t index) {
-  return (mask_kind){.filter = index / 4, .bias_mode = index / 2 % 2, .normals = index % 2};
+  return kind->filter * 2 + kind->normals;
 }
 
 csm_result mask_program(pass_gpu gpu, const mask_kind *kind, gpu_program **out) {
-  const gpu_code *const codes[2][2][2] = {
-      [CSM_FILTER_PCF_2X2] = {[CSM_BIAS_SLOPE] = {&shader_mask_2x2_slope_ps, &shader_mask_2x2_slope_normals_ps},
-                              [CSM_BIAS_RECEIVER_PLANE] = {&shader_mask_2x2_ps, &shader_mask_2x2_normals_ps}},
-      [CSM_FILTER_PCF_3X3] = {[CSM_BIAS_SLOPE] = {&shader_mask_3x3_slope_ps, &shader_mask_3x3_slope_normals_ps},
-                              [CSM_BIAS_RECEIVER_PLANE] = {&shader_mask_3x3_ps, &shader_mask_3x3_normals_ps}},
+  const gpu_code *const codes[MASK_KINDS / 2][2] = {
+      [CSM_FILTER_PCF_2X2] = {&shader_mask_pcf_2x2_ps, &shader_mask_pcf_2x2_normals_ps},
+      [CSM_FILTER_PCF_3X3] = {&shader_mask_pcf_3x3_ps, &shader_mask_pcf_3x3_normals_ps},
+      [CSM_FILTER_NEAREST] = {&shader_mask_nearest_ps, &shader_mask_nearest_normals_ps},
+      [CSM_FILTER_LINEAR_DEPTH] = {&shader_mask_linear_depth_ps, &shader_mask_linear_depth_normals_ps},
+      [CSM_FILTER_PCF_5X5] = {&shader_mask_pcf_5x5_ps, &shader_mask_pcf_5x5_normals_ps},
+      [CSM_FILTER_PCF_7X7] = {&shader_mask_pcf_7x7_ps, &shader_mask_pcf_7x7_normals_ps},
+      [CSM_FILTER_PCF_N] = {&shader_mask_pcf_n_ps, &shader_mask_pcf_n_normals_ps},
+      [CSM_FILTER_POISSON] = {&shader_mask_poisson_ps, &shader_mask_poisson_normals_ps},
+      [CSM_FILTER_VOGEL] = {&shader_mask_vogel_ps, &shader_mask_vogel_normals_ps},
+      [CSM_FILTER_GRID_17] = {&shader_mask_grid_17_ps, &shader_mask_grid_17_normals_ps},
   };
   const gpu_program_info info = {
-      .name = kind->filter == CSM_FILTER_PCF_2X2 ? "mask, PCF 2x2" : "mask, PCF 3x3",
+      .name = "mask",
       .vertex = shader_screen_vs,
-      .pixel = *codes[kind->filter][kind->bias_mode][kind->normals],
+      .pixel = *codes[kind->filter][kind->normals],
       .constants_count = 2,
       .constants_sizes = {MASK_CASCADES_BLOCK, MASK_CAMERA_BLOCK},
       .texture_count = kind->normals ? 3 : 2,
       .sampler_count = 1,
-      .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL},
+      .samplers = {GPU_SAMPLER_POINT_CLAMP},
       .color_format = GPU_FORMAT_R8_UNORM,
       .cull = GPU_CULL_NONE,
   };

@@ -20,6 +20,7 @@ typedef struct pass_mesh {
   uint64_t vertex_offset, index_offset;
   uint32_t index_count, index_size;
   uint32_t programs;     /* index of the programs for its shape */
+  bool two_sided;        /* no face of it is culled */
   uint64_t uv_offset;    /* in the vertices' buffer; read only with an opacity */
   gpu_bindings *opacity; /* of an alpha-tested mesh, else NULL */
 } pass_mesh;
@@ -33,16 +34,33 @@ typedef struct pass_vertices {
 /* Called inside a cascade's pass, when its list is drawn. */
 typedef void (*pass_callback)(void *user, uint32_t cascade);
 
+/* Programs by gpu_cull, then by pass_mesh.programs. */
+typedef gpu_program *const *const pass_programs[3];
+
 /* ---- the cascades' maps ---- */
+
+/* How casters are drawn, but for their shape. */
+typedef struct pass_casters {
+  gpu_format format;
+  bool reversed, clip;
+  gpu_cull cull;
+  gpu_raster_bias bias;
+} pass_casters;
+
+pass_casters cascade_depth_casters(const csm_config *config);
 
 enum { PASS_CASCADE_ROWS = 3, PASS_CAMERA_ROWS = 4 }; /* float4 rows for each instance's matrix */
 
-csm_result cascade_depth_program(pass_gpu gpu, pass_vertices vertices, gpu_program **out);
+/* The program for vertices, for those of the casters of which `cull` faces are left out. */
+csm_result cascade_depth_program(pass_gpu gpu, const pass_casters *casters, gpu_cull cull, pass_vertices vertices,
+                                 gpu_program **out);
 
 typedef struct cascade_depth_pass {
-  gpu_program *const *programs; /* by pass_mesh.programs */
+  const pass_casters *casters;
+  gpu_program *const *programs[3]; /* by gpu_cull, then by pass_mesh.programs */
   gpu_image *maps;
-  gpu_target *const *targets; /* one for each cascade */
+  gpu_target *const *targets; /* one for each layer */
+  const plan_layout *layout;
   const plan_frame *plan;
   const pass_mesh *meshes;
   gpu_buffer *matrices; /* as plan_write_cascade_matrices writes them */
@@ -87,14 +105,13 @@ enum { MASK_CASCADES_BLOCK = 1024, MASK_CAMERA_BLOCK = 256, MASK_BLOCKS = MASK_C
 
 /* What a mask's program is made for; one for each that a configuration may ask for. */
 typedef struct mask_kind {
-  uint32_t filter, bias_mode; /* as in csm_config */
-  bool normals;               /* the engine's */
+  uint32_t filter; /* as in csm_config */
+  bool normals;    /* the engine's */
 } mask_kind;
-enum { MASK_KINDS = 8 };
+enum { MASK_KINDS = 20 };
 
 csm_result mask_program(pass_gpu gpu, const mask_kind *kind, gpu_program **out);
 uint32_t mask_kind_index(const mask_kind *kind); /* below MASK_KINDS */
-mask_kind mask_kind_at(uint32_t index);
 
 /* What the mask reads: maps, depth, normals (or NULL), and from `constants` the MASK_BLOCKS bytes of a recording. */
 gpu_bindings_info mask_inputs(const gpu_program *program, gpu_buffer *constants, gpu_image *maps, gpu_image *depth,
@@ -108,5 +125,33 @@ typedef struct mask_pass {
 } mask_pass;
 
 void mask_record(pass_gpu gpu, const mask_pass *pass);
+
+/* ---- depth tiles: the least and the greatest depth in each tile of a camera's depth ---- */
+
+enum {
+  DEPTH_TILES_FINE_PX = 8,
+  DEPTH_TILES_PX = 32,
+  DEPTH_TILES_BLOCK = 256,
+  DEPTH_TILES_BLOCKS = 2 * DEPTH_TILES_BLOCK
+};
+
+/* First of small tiles, then of those in each large one. */
+csm_result depth_tiles_program(pass_gpu gpu, bool coarse, gpu_program **out);
+/* Writes the DEPTH_TILES_BLOCKS bytes of a recording; `clear` is the depth where there is no surface. */
+void depth_tiles_write(void *out, uint32_t width, uint32_t height, float clear);
+gpu_bindings_info depth_tiles_inputs(const gpu_program *program, gpu_buffer *constants, gpu_image *from);
+
+typedef struct depth_tiles_pass {
+  gpu_program *programs[2]; /* small, large */
+  gpu_bindings *bindings[2];
+  gpu_target *targets[2];
+  gpu_image *images[2];
+  uint32_t columns, rows; /* of large tiles */
+  gpu_buffer *out;        /* a readback buffer that gets the large ones, row by row */
+  uint32_t row_bytes;
+  uint32_t constants_offset; /* of this recording's DEPTH_TILES_BLOCKS bytes */
+} depth_tiles_pass;
+
+void depth_tiles_record(pass_gpu gpu, const depth_tiles_pass *pass);
 
 #endif

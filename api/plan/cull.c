@@ -23,6 +23,26 @@ static inline double reach(const world_box *box, const double direction[3]) {
          fabs(plan_dot(box->axes[2], direction));
 }
 
+void plan_scene_bounds(plan_scene_box *out, const double basis[9], const plan_scene *scene) {
+  static const double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+  for (uint32_t instance = 0; instance < scene->instance_count; ++instance) {
+    world_box box;
+    place_box(&box, &scene->instances[instance], &scene->meshes[scene->instances[instance].mesh]);
+    for (int axis = 0; axis < 3; ++axis) {
+      const double extent = reach(&box, axes[axis]);
+      low[axis] = fmin(low[axis], box.center[axis] - extent);
+      high[axis] = fmax(high[axis], box.center[axis] + extent);
+    }
+  }
+  out->corner_count = scene->instance_count ? 8 : 0;
+  for (uint32_t i = 0; i < out->corner_count; ++i) {
+    const double corner[3] = {i & 1 ? high[0] : low[0], i & 2 ? high[1] : low[1], i & 4 ? high[2] : low[2]};
+    for (int axis = 0; axis < 3; ++axis)
+      out->corners[i][axis] = plan_dot(corner, &basis[axis * 3]);
+  }
+}
+
 /*
  * A caster is kept if its bounds, swept towards the light, meet what the map covers: there is no test at the near
  * plane. The rasteriser draws where texels' centres are covered, half a texel inside the area, so the area itself has
@@ -33,7 +53,7 @@ void plan_cull_light(plan_lists *lists, plan_area *areas, const double basis[9],
     areas[i].first_caster = INFINITY;
   for (uint32_t instance = 0; instance < scene->instance_count; ++instance) {
     const uint32_t mesh = scene->instances[instance].mesh;
-    uint32_t *counts = &lists->counts[(size_t)mesh * lists->count];
+    uint32_t *counts = &lists->counts[(size_t)plan_list_key(lists, &scene->instances[instance]) * lists->count];
     world_box box;
     double low[3], high[3];
     place_box(&box, &scene->instances[instance], &scene->meshes[mesh]);
@@ -46,7 +66,7 @@ void plan_cull_light(plan_lists *lists, plan_area *areas, const double basis[9],
     for (uint32_t i = 0; i < lists->count; ++i) {
       plan_area *area = &areas[i];
       const bool outside = (low[0] > area->max[0]) | (high[0] < area->min[0]) | (low[1] > area->max[1]) |
-                           (high[1] < area->min[1]) | (low[2] > area->end);
+                           (high[1] < area->min[1]) | (low[2] > area->depth[1]);
       if (outside)
         continue;
       mask |= 1u << i;
@@ -88,7 +108,7 @@ void plan_cull_view(plan_lists *lists, const plan_camera *camera, const plan_sce
     for (int plane = 0; plane < 6 && !outside; ++plane)
       outside = plan_dot(box.center, normals[plane]) + offsets[plane] < -rounding * reach(&box, normals[plane]);
     lists->masks[instance] = !outside;
-    lists->counts[mesh] += !outside;
+    lists->counts[plan_list_key(lists, &scene->instances[instance])] += !outside;
   }
 }
 

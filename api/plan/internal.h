@@ -36,35 +36,114 @@ double plan_view_side(const plan_camera *camera);
 /* Inverse of the view's rotation, column-major 3 x 3. */
 void plan_view_rotation_inverse(double out[9], const double view[16]);
 
+/* ---- light ---- */
+/*
+ * The basis that a frame is drawn with: that of its light, or of the last frame's as long as the light has not moved a
+ * step, turned as roll_mode says. Errors: those of plan_light_basis.
+ */
+csm_result plan_light_make(double basis[9], const csm_config *config, const double direction[3],
+                           const plan_history *before, const char **error);
+
+/* ---- what all cascades of a frame are fitted to ---- */
+typedef struct plan_fit_frame {
+  const csm_config *config;
+  const plan_camera *camera;
+  const double *basis;
+  const plan_samples *samples; /* NULL: nothing is fitted to them */
+  const plan_history *before;  /* may be NULL */
+  plan_history *after;
+} plan_fit_frame;
+
 /* ---- splits ---- */
 /*
  * Where the cascades begin and end, as view depth: count + 1 values, strictly rising, the last one the end of the
  * shadows exactly. INVALID_CAMERA: there is nothing between the near plane and that end.
  */
-csm_result plan_splits(double *depths, const csm_config *config, const plan_camera *camera, const char **error);
+csm_result plan_splits(double *depths, const plan_fit_frame *frame, const char **error);
 
-/* ---- fit ---- */
+/* ---- samples ---- */
+/* Whether what was seen then says enough of what a camera sees now. */
+bool plan_samples_usable(const plan_samples *samples, const plan_camera *camera, const csm_config *config);
+/* Narrows the range of depths that splits divide. */
+void plan_samples_range(double *near, double *end, const plan_fit_frame *frame);
+/* Narrows what a map covers of light space, along right and up. */
+void plan_samples_bound(double middle[2], double width[2], const plan_fit_frame *frame, uint32_t cascade, double near,
+                        double far);
+
+/* ---- slices ---- */
+/* The corners in view space of what lies between two view depths: four of its near face, then of its far one. */
+void plan_slice_corners(double corners[8][3], const plan_camera *camera, double near, double far);
 /*
  * The least sphere, in view space, around what lies between two view depths; see sphere.c. Depends on the projection
  * alone. The result is infinite or NaN where numbers overflow.
  */
 void plan_slice_sphere(double center[3], double *radius, const plan_camera *camera, double near, double far);
+/* The sphere around the mean of its corners, likewise. */
+void plan_slice_centroid_sphere(double center[3], double *radius, const plan_camera *camera, double near, double far);
+/* A point of a camera's view space in light space; `inverse` is plan_view_rotation_inverse's. */
+void plan_view_to_light(double out[3], const plan_camera *camera, const double basis[9], const double inverse[9],
+                        const double view[3]);
 
-/* ---- culling ---- */
+/* ---- fit ---- */
+/* Where a map lies in light space, before its casters are known. */
+typedef struct plan_fit {
+  double texel[2];  /* metres along right and up */
+  double origin[2]; /* the map's beginning, in texels from the world's origin */
+  double depth[2];  /* of the slice along the light, metres */
+  double step;      /* of depths that are rounded, metres */
+  uint32_t resolution;
+} plan_fit;
+
 /* What one map covers of light space, in metres from the world's origin. */
 typedef struct plan_area {
   double min[2], max[2]; /* along right and up */
-  double end;            /* along the light: nothing beyond it is drawn */
+  double depth[2];       /* along the light; nothing beyond the second is drawn; with depth_mode casters the first is
+                            where the slice begins */
   double first_caster;   /* found by culling: where the first caster begins along the light; INFINITY: none */
 } plan_area;
+
+/* The corners, in light space, of the box in the world that holds all instances; corner_count is 0 if there are none.
+ */
+typedef struct plan_scene_box {
+  double corners[8][3];
+  uint32_t corner_count;
+} plan_scene_box;
+
+/* INVALID_CAMERA: numbers too large to plan with. */
+csm_result plan_fit_slice(plan_fit *out, const plan_fit_frame *frame, uint32_t cascade, double near, double far,
+                          const char **error);
+plan_area plan_fit_area(const plan_fit *fit, const csm_config *config, const plan_scene_box *box);
+/* Writes the cascade's matrices, now that its casters are known. */
+void plan_fit_place(plan_cascade *cascade, const plan_fit *fit, const plan_area *area, const double basis[9],
+                    const csm_config *config);
+
+/* ---- filter ---- */
+enum { PLAN_MAX_TAPS = 31, PLAN_MAX_WEIGHTS = 16, PLAN_LEAST_RESOLUTION = 16 };
+/* Taps a side, or points. */
+uint32_t plan_filter_taps(const csm_config *config);
+/* Of taps from the middle outwards, along one axis; returns the sum of all taps'. */
+double plan_filter_weights(double weights[PLAN_MAX_WEIGHTS], const csm_config *config);
+/* From a sample to the farthest texel's centre that it is compared with, along one axis. */
+double plan_filter_reach_texels(const csm_config *config);
+/* Room that a map leaves at its borders. */
+double plan_padding_texels(const csm_config *config);
+
+/* ---- culling ---- */
+void plan_scene_bounds(plan_scene_box *out, const double basis[9], const plan_scene *scene);
 
 /* The lists of a plan while they are made. */
 typedef struct plan_lists {
   plan_list *lists[CSM_MAX_CASCADES];
   uint32_t count;
+  bool sides;       /* mirrored instances are drawn apart */
   uint8_t *masks;   /* for each instance: bit i is set if list i holds it */
-  uint32_t *counts; /* [mesh * count + list]: instances of the mesh in the list */
+  uint32_t *counts; /* [plan_list_key * count + list]: instances of that key in the list */
 } plan_lists;
+
+/* What instances share that are drawn together: the mesh and, where it matters, the side. */
+static inline uint32_t plan_list_key(const plan_lists *lists, const plan_instance *instance) {
+  return instance->mesh * 2 + (lists->sides ? instance->mirrored : 0);
+}
 
 /* Lays the lists out in memory of plan_memory_size bytes, with empty counts. */
 void plan_lists_begin(plan_lists *lists, const plan_scene *scene, void *memory);

@@ -1,26 +1,18 @@
 /* light.c: light space, an orthonormal basis for every direction of light. */
 #include "plan/internal.h"
 
-/*
- * A basis that is carried from a fixed pole to the light's direction by the shortest rotation, so that it changes
- * smoothly with the light. No basis can be smooth for every direction; this one turns over only at the pole's opposite,
- * (0.4379, 0.6471, 0.6241) roughly: light that travels upwards and off every axis, whichever axis is up.
- * The rotation of a vector across the pole is its reflection about pole + direction (Frisvad, "Building an Orthonormal
- * Basis from a 3D Unit Vector", 2012, turned to another pole), which stays orthogonal however short that sum is.
- */
-csm_result plan_light_basis(double basis[9], const double direction[3], const char **error) {
-  double pole[3] = {-0.4379, -0.6471, -0.6241};
-  double across[3] = {0.8256, -0.5642, 0.0057};
-  double along[3] = {direction[0], direction[1], direction[2]};
-  if (!plan_finite(direction, 3))
-    return plan_fail(error, CSM_ERROR_NOT_FINITE, "light_direction is not finite");
-  if (!plan_normalize(along))
-    return plan_fail(error, CSM_ERROR_INVALID_LIGHT, "light_direction is zero");
+#include <math.h>
 
-  (void)plan_normalize(pole);
+/*
+ * The basis that the shortest rotation from one direction of light to another makes of `right`, which is at right
+ * angles to the first. The rotation of such a vector is its reflection about the directions' sum (Frisvad, "Building an
+ * Orthonormal Basis from a 3D Unit Vector", 2012, turned to another pole), which stays orthogonal however short that
+ * is.
+ */
+static void carry(double basis[9], const double from[3], const double across[3], const double along[3]) {
   double half[3], right[3], up[3];
   for (int i = 0; i < 3; ++i)
-    half[i] = pole[i] + along[i];
+    half[i] = from[i] + along[i];
   const double square = plan_dot(half, half);
   const double reflect = square > 0.0 ? 2.0 * plan_dot(half, across) / square : 0.0;
   for (int i = 0; i < 3; ++i)
@@ -39,5 +31,51 @@ csm_result plan_light_basis(double basis[9], const double direction[3], const ch
     basis[3 + i] = up[i];
     basis[6 + i] = along[i];
   }
+}
+
+/*
+ * Carried from a fixed pole, so that the basis changes smoothly with the light. No basis can be smooth for every
+ * direction; this one turns over only at the pole's opposite, (0.4379, 0.6471, 0.6241) roughly: light that travels
+ * upwards and off every axis, whichever axis is up.
+ */
+csm_result plan_light_basis(double basis[9], const double direction[3], const char **error) {
+  double pole[3] = {-0.4379, -0.6471, -0.6241};
+  const double across[3] = {0.8256, -0.5642, 0.0057};
+  double along[3] = {direction[0], direction[1], direction[2]};
+  if (!plan_finite(direction, 3))
+    return plan_fail(error, CSM_ERROR_NOT_FINITE, "light_direction is not finite");
+  if (!plan_normalize(along))
+    return plan_fail(error, CSM_ERROR_INVALID_LIGHT, "light_direction is zero");
+  (void)plan_normalize(pole);
+  carry(basis, pole, across, along);
+  return CSM_SUCCESS;
+}
+
+/* Of unit vectors; exact for small angles, where the cosine alone says nothing. */
+static double angle_between(const double a[3], const double b[3]) {
+  double cross[3];
+  plan_cross(cross, a, b);
+  return atan2(sqrt(plan_dot(cross, cross)), plan_dot(a, b));
+}
+
+/*
+ * "Common Techniques to Improve Shadow Depth Maps" (Microsoft), Moving the light in texel-sized increments: as long as
+ * the light has not gone a whole step from the direction that maps were drawn with, they keep it. An angle of n texels
+ * over a map's width is n / resolution.
+ */
+csm_result plan_light_make(double basis[9], const csm_config *config, const double direction[3],
+                           const plan_history *before, const char **error) {
+  const csm_result result = plan_light_basis(basis, direction, error);
+  if (result || !before || !before->has_light)
+    return result;
+  const double *last = &before->basis[6];
+  const double along[3] = {basis[6], basis[7], basis[8]};
+  if (angle_between(last, along) < config->light_step_texels / config->resolution) {
+    for (int i = 0; i < 9; ++i)
+      basis[i] = before->basis[i];
+    return CSM_SUCCESS;
+  }
+  if (config->roll_mode == CSM_ROLL_CARRIED)
+    carry(basis, last, before->basis, along);
   return CSM_SUCCESS;
 }

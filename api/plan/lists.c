@@ -16,10 +16,11 @@ typedef struct memory_layout {
 } memory_layout;
 
 static memory_layout lay_out(uint32_t instance_count, uint32_t mesh_count, uint32_t list_count) {
-  const uint32_t most_draws = instance_count < mesh_count ? instance_count : mesh_count;
+  const uint32_t keys = mesh_count * 2;
+  const uint32_t most_draws = instance_count < keys ? instance_count : keys;
   memory_layout layout = {0};
   size_t at = 0;
-  layout.counts = take(&at, (size_t)mesh_count * list_count, sizeof(uint32_t));
+  layout.counts = take(&at, (size_t)keys * list_count, sizeof(uint32_t));
   layout.masks = take(&at, instance_count, sizeof(uint8_t));
   layout.draws = take(&at, most_draws, sizeof(plan_draw));
   layout.instances = take(&at, instance_count, sizeof(uint32_t));
@@ -39,21 +40,22 @@ void plan_lists_begin(plan_lists *lists, const plan_scene *scene, void *memory) 
     return;
   lists->counts = (uint32_t *)(base + layout.counts);
   lists->masks = (uint8_t *)(base + layout.masks);
-  memset(lists->counts, 0, (size_t)scene->mesh_count * lists->count * sizeof *lists->counts);
+  memset(lists->counts, 0, (size_t)scene->mesh_count * 2 * lists->count * sizeof *lists->counts);
   for (uint32_t i = 0; i < lists->count; ++i) {
     lists->lists[i]->draws = (plan_draw *)(base + layout.draws + i * layout.list_stride);
     lists->lists[i]->instances = (uint32_t *)(base + layout.instances + i * layout.list_stride);
   }
 }
 
-/* A draw for each mesh that the list holds; counts become the place of the mesh's next instance. */
+/* A draw for each key that the list holds; counts become the place of the key's next instance. */
 static void make_draws(plan_lists *lists, uint32_t index, uint32_t mesh_count) {
   plan_list *list = lists->lists[index];
-  for (uint32_t mesh = 0; mesh < mesh_count; ++mesh) {
-    uint32_t *count = &lists->counts[(size_t)mesh * lists->count + index];
+  for (uint32_t key = 0; key < mesh_count * 2; ++key) {
+    uint32_t *count = &lists->counts[(size_t)key * lists->count + index];
     if (*count == 0)
       continue;
-    list->draws[list->draw_count++] = (plan_draw){.mesh = mesh, .first = list->instance_count, .count = *count};
+    list->draws[list->draw_count++] =
+        (plan_draw){.mesh = key / 2, .mirrored = key % 2, .first = list->instance_count, .count = *count};
     list->instance_count += *count;
     *count = list->instance_count - *count;
   }
@@ -67,7 +69,7 @@ void plan_lists_end(plan_lists *lists, const plan_scene *scene) {
     lists->lists[i]->culled = scene->instance_count - lists->lists[i]->instance_count;
   }
   for (uint32_t instance = 0; instance < scene->instance_count; ++instance) {
-    uint32_t *places = &lists->counts[(size_t)scene->instances[instance].mesh * lists->count];
+    uint32_t *places = &lists->counts[(size_t)plan_list_key(lists, &scene->instances[instance]) * lists->count];
     for (uint32_t mask = lists->masks[instance]; mask; mask &= mask - 1) {
       const uint32_t list = (uint32_t)__builtin_ctz(mask);
       lists->lists[list]->instances[places[list]++] = instance;

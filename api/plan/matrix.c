@@ -153,3 +153,9 @@ csm_result plan_check_affine(const double m[16]) {
       fabs(m[3]) <= last_row && fabs(m[7]) <= last_row && fabs(m[11]) <= last_row && fabs(m[15] - 1.0) <= last_row;
   return affine && unit_volume(m) > dependent ? CSM_SUCCESS : CSM_ERROR_INVALID_MATRIX;
 }
+
+bool plan_mirrors(const double m[16]) {
+  double cross[3];
+  plan_cross(cross, &m[0], &m[4]);
+  return plan_dot(cross, &m[8]) < 0.0;
+}

@@ -17,15 +17,17 @@ bool plan_invert(double out[16], const double m[16]);                       /* f
 bool plan_finite(const double *values, uint32_t count);
 /* CSM_SUCCESS, NOT_FINITE, or INVALID_MATRIX: the last row is not 0 0 0 1, or the columns are dependent. */
 csm_result plan_check_affine(const double m[16]);
+/* Whether an affine matrix turns the faces of what it transforms around. */
+bool plan_mirrors(const double m[16]);
 
 /* ---- camera ---- */
 typedef struct plan_camera {
   double view[16], projection[16];
-  double position[3];      /* world: the view's origin, whatever the projection */
-  double forward[3];       /* world: unit, the way it looks */
-  double near_depth;       /* view depth (distance along forward) of the near plane */
-  double far_depth;        /* INFINITY for an infinite far plane */
-  bool reversed;           /* clip z is 1 at the near plane */
+  double position[3]; /* world: the view's origin, whatever the projection */
+  double forward[3];  /* world: unit, the way it looks */
+  double near_depth;  /* view depth (distance along forward) of the near plane */
+  double far_depth;   /* INFINITY for an infinite far plane */
+  bool reversed;      /* clip z is 1 at the near plane */
   bool orthographic;
 } plan_camera;
 /*
@@ -47,6 +49,21 @@ const csm_config_field *plan_config_field(uint32_t index);
 void plan_config_default(csm_config *config);
 /* Texels around a sample that the configured filter may read. */
 uint32_t plan_filter_radius_texels(const csm_config *config);
+/* The side of a cascade's map, in texels. */
+uint32_t plan_resolution(const csm_config *config, uint32_t cascade);
+
+/* Where a cascade's map lies: a square of an image's layer. */
+typedef struct plan_rect {
+  uint32_t x, y, side, layer;
+} plan_rect;
+
+typedef struct plan_layout {
+  uint32_t width, height, layers;
+  plan_rect rects[CSM_MAX_CASCADES];
+} plan_layout;
+
+/* Lays out the maps of a checked configuration. */
+void plan_layout_make(plan_layout *out, const csm_config *config);
 
 /* ---- a frame ---- */
 typedef struct plan_bounds { /* of a mesh, in object space */
@@ -56,7 +73,7 @@ typedef struct plan_bounds { /* of a mesh, in object space */
 typedef struct plan_instance {
   double transform[12]; /* object to world: three rows of four */
   uint32_t mesh;        /* index into the meshes' bounds */
-  uint32_t reserved;
+  uint32_t mirrored;    /* 1: the transform turns its faces around */
 } plan_instance;
 
 typedef struct plan_scene {
@@ -71,18 +88,38 @@ typedef struct plan_draw {
   uint32_t mesh;
   uint32_t first; /* index into the list's matrices */
   uint32_t count;
+  uint32_t mirrored; /* all of them; 0 where no faces are culled */
 } plan_draw;
 
 /* What one cascade, or the camera, draws. */
 typedef struct plan_list {
-  uint32_t *instances; /* visible, ordered by mesh, then by index */
+  uint32_t *instances; /* visible, ordered by mesh, then by side, then by index */
   plan_draw *draws;
   uint32_t instance_count, draw_count;
   uint32_t culled;
 } plan_list;
 
+/* What a camera saw: the least and the greatest depth in each square tile of its depth buffer, rows from the top. */
+typedef struct plan_samples {
+  plan_camera camera;
+  uint32_t width, height, tile_px;
+  uint32_t columns, rows;   /* 0: nothing is known */
+  const float (*depths)[2]; /* as in the buffer; the first is above the second where there was no surface */
+} plan_samples;
+
+/* What a frame hands to the next one. Zero is the first frame. */
+typedef struct plan_history {
+  bool has_light, has_samples, has_bounds[CSM_MAX_CASCADES];
+  double basis[9];                         /* of the light that was drawn with */
+  double sample_range[2];                  /* what splits were fitted to, as steps of the logarithm */
+  double bound_steps[CSM_MAX_CASCADES][2]; /* by which each map was narrowed */
+} plan_history;
+
 typedef struct plan_cascade {
   csm_cascade_info info;
+  double texel[2];         /* metres along right and up */
+  double origin_texels[2]; /* where the map begins, from the world's origin */
+  uint32_t resolution;
   double to_clip[12]; /* light space (right, up, along, relative to the world's origin) to clip: three rows of four */
   plan_list list;
 } plan_cascade;
@@ -92,7 +129,16 @@ typedef struct plan_frame {
   double basis[9];
   uint32_t cascade_count;
   plan_cascade cascades[CSM_MAX_CASCADES];
+  plan_history history; /* for the next frame */
 } plan_frame;
+
+typedef struct plan_frame_info {
+  const csm_config *config;
+  const double *view, *projection, *light; /* 16, 16 and 3 */
+  const plan_scene *scene;
+  const plan_history *before;  /* the last frame's; may be NULL */
+  const plan_samples *samples; /* of an earlier frame; may be NULL */
+} plan_frame_info;
 
 /* Bytes of memory, aligned to 16, that a plan of so many instances, meshes and cascades (0 for a camera's) needs. */
 size_t plan_memory_size(uint32_t instance_count, uint32_t mesh_count, uint32_t cascade_count);
@@ -103,9 +149,7 @@ size_t plan_memory_size(uint32_t instance_count, uint32_t mesh_count, uint32_t c
  * Errors: those of plan_camera_make and plan_light_basis, and INVALID_CAMERA (the near plane is at or beyond the
  * shadow distance; numbers too large to plan with).
  */
-csm_result plan_frame_make(plan_frame *out, const csm_config *config, const double view[16],
-                           const double projection[16], const double light[3], const plan_scene *scene, void *memory,
-                           const char **error);
+csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *memory, const char **error);
 
 /* What a camera sees of the scene, for a depth pre-pass. */
 void plan_view_make(plan_list *out, const plan_camera *camera, const plan_scene *scene, void *memory);

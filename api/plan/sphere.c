@@ -94,11 +94,30 @@ static double least_sphere(double center[3], const double points[8][3]) {
   return sqrt(best);
 }
 
-void plan_slice_sphere(double center[3], double *radius, const plan_camera *camera, double near, double far) {
-  double corners[8][3];
+/* A view that is rigid within the tolerance stretches lengths by up to half of that. */
+static double stretched(double length) {
+  return length * (1.0 + PLAN_RIGID_TOLERANCE / 2.0);
+}
+
+void plan_slice_corners(double corners[8][3], const plan_camera *camera, double near, double far) {
   face_corners(corners, camera, near);
   face_corners(corners + 4, camera, far);
+}
+
+void plan_slice_sphere(double center[3], double *radius, const plan_camera *camera, double near, double far) {
+  double corners[8][3];
+  plan_slice_corners(corners, camera, near, far);
   center[0] = center[1] = center[2] = 0.0;
-  /* A view that is rigid within the tolerance stretches lengths by up to half of that. */
-  *radius = least_sphere(center, corners) * (1.0 + PLAN_RIGID_TOLERANCE / 2.0);
+  *radius = stretched(least_sphere(center, corners));
+}
+
+void plan_slice_centroid_sphere(double center[3], double *radius, const plan_camera *camera, double near, double far) {
+  double corners[8][3];
+  plan_slice_corners(corners, camera, near, far);
+  for (int k = 0; k < 3; ++k) {
+    center[k] = 0.0;
+    for (int i = 0; i < 8; ++i)
+      center[k] += corners[i][k] / 8.0;
+  }
+  *radius = stretched(sqrt(farthest_square(center, corners, INFINITY)));
 }

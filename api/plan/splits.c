@@ -16,24 +16,39 @@ static double practical_split(double near, double end, double share, double lamb
   return lambda * logarithmic + (1.0 - lambda) * uniform;
 }
 
-csm_result plan_splits(double *depths, const csm_config *config, const plan_camera *camera, const char **error) {
+/* The far end of a cascade that split_distances give. */
+static double manual_split(const csm_config *config, uint32_t cascade, double near, double end) {
+  const double given = config->split_distances[cascade];
+  return config->split_mode == CSM_SPLIT_SHARES ? near + (end - near) * given : given;
+}
+
+static double split_lambda(const csm_config *config) {
+  return config->split_mode == CSM_SPLIT_UNIFORM       ? 0.0
+         : config->split_mode == CSM_SPLIT_LOGARITHMIC ? 1.0
+                                                       : config->split_lambda;
+}
+
+csm_result plan_splits(double *depths, const plan_fit_frame *frame, const char **error) {
+  const csm_config *config = frame->config;
   const uint32_t count = config->cascade_count;
-  const bool manual = config->split_mode == CSM_SPLIT_MANUAL;
-  const double near = camera->near_depth;
-  double end = fmin(config->shadow_distance, camera->far_depth);
-  if (manual)
-    end = fmin(end, config->split_distances[count - 1]);
+  const bool manual = config->split_mode == CSM_SPLIT_MANUAL || config->split_mode == CSM_SPLIT_SHARES;
+  double near = frame->camera->near_depth;
+  const double reach = fmin(config->shadow_distance, frame->camera->far_depth);
+  double end = manual ? fmin(reach, manual_split(config, count - 1, near, reach)) : reach;
   if (!(near < end))
     return plan_fail(error, CSM_ERROR_INVALID_CAMERA, "projection has its near plane at or beyond the end of shadows");
+  if (frame->samples && !manual)
+    plan_samples_range(&near, &end, frame);
 
   /* Manual splits that the near plane, the far plane or the shadow distance overtakes keep a thin slice. */
   const double thin = (end - near) / 1024.0;
+  const double spread = config->split_near > near && config->split_near < end ? config->split_near : near;
   depths[0] = near;
   depths[count] = end;
   for (uint32_t i = 1; i < count; ++i) {
     const double least = near + i * thin, most = end - (count - i) * thin;
-    depths[i] = manual ? fmin(fmax(config->split_distances[i - 1], least), most)
-                       : practical_split(near, end, (double)i / count, config->split_lambda);
+    depths[i] = manual ? fmin(fmax(manual_split(config, i - 1, near, reach), least), most)
+                       : practical_split(spread, end, (double)i / count, split_lambda(config));
   }
   for (uint32_t i = 0; i < count; ++i)
     if (!(depths[i] < depths[i + 1]))

@@ -134,28 +134,34 @@ void d3d12_copy_buffer(gpu_device *device, gpu_buffer *to, uint64_t to_offset, g
 }
 
 void d3d12_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *from,
-                      uint32_t layer) {
+                      const gpu_region *region) {
   const gpu_image_info *info = &from->info;
-  const bool depth = info->format == GPU_FORMAT_D32_FLOAT;
   const D3D12_TEXTURE_COPY_LOCATION source = {
       .pResource = from->resource.handle,
       .Type = D3D12_TEXTURE_COPY_TYPE_SUBRESOURCE_INDEX,
-      .SubresourceIndex = layer,
+      .SubresourceIndex = region->layer,
   };
   const D3D12_TEXTURE_COPY_LOCATION destination = {
       .pResource = to->resource.handle,
       .Type = D3D12_TEXTURE_COPY_TYPE_PLACED_FOOTPRINT,
       .PlacedFootprint = {.Offset = offset,
-                          .Footprint = {.Format = depth ? DXGI_FORMAT_R32_TYPELESS : d3d12_format(info->format),
-                                        .Width = info->width,
-                                        .Height = info->height,
+                          .Footprint = {.Format = d3d12_typeless(info->format),
+                                        .Width = region->width,
+                                        .Height = region->height,
                                         .Depth = 1,
                                         .RowPitch = row_bytes}},
   };
-  use_copy_destination(device, to, offset, (uint64_t)row_bytes * info->height);
+  const D3D12_BOX box = {.left = region->x,
+                         .top = region->y,
+                         .right = region->x + region->width,
+                         .bottom = region->y + region->height,
+                         .back = 1};
+  /* Direct3D 12 takes a part of a depth image only from vkd3d; the whole is within its rules. */
+  const bool whole = region->width == info->width && region->height == info->height;
+  use_copy_destination(device, to, offset, (uint64_t)row_bytes * region->height);
   use_image(device, from, D3D12_RESOURCE_STATE_COPY_SOURCE);
   flush_barriers(device);
-  ID3D12GraphicsCommandList_CopyTextureRegion(device->list, &destination, 0, 0, 0, &source, NULL);
+  ID3D12GraphicsCommandList_CopyTextureRegion(device->list, &destination, 0, 0, 0, &source, whole ? NULL : &box);
 }
 
 void d3d12_copy_to_image(gpu_device *device, gpu_image *to, gpu_buffer *from, uint64_t offset, uint32_t row_bytes) {
@@ -185,7 +191,8 @@ void d3d12_copy_to_image(gpu_device *device, gpu_image *to, gpu_buffer *from, ui
  * layers or one of each. On a GPU that view is the cheap way, for it keeps depth compressed.
  */
 static void fill_layer(gpu_device *device, gpu_image *image, uint32_t layer, uint64_t fill_offset) {
-  const uint32_t row_bytes = (image->info.width * 4 + 255) & ~255u;
+  const uint32_t texel_bytes = image->info.format == GPU_FORMAT_D16_UNORM ? 2 : 4;
+  const uint32_t row_bytes = (image->info.width * texel_bytes + 255) & ~255u;
   const uint32_t strip = D3D12_FILL_SIZE / row_bytes;
   const D3D12_TEXTURE_COPY_LOCATION to = {
       .pResource = image->resource.handle,
@@ -198,7 +205,7 @@ static void fill_layer(gpu_device *device, gpu_image *image, uint32_t layer, uin
         .pResource = device->fill,
         .Type = D3D12_TEXTURE_COPY_TYPE_PLACED_FOOTPRINT,
         .PlacedFootprint = {.Offset = fill_offset,
-                            .Footprint = {.Format = DXGI_FORMAT_R32_TYPELESS,
+                            .Footprint = {.Format = d3d12_typeless(image->info.format),
                                           .Width = image->info.width,
                                           .Height = left < strip ? left : strip,
                                           .Depth = 1,
@@ -218,8 +225,11 @@ void d3d12_clear_depth(gpu_device *device, gpu_image *image, float depth) {
         D3D12_CLEAR_FLAG_DEPTH, depth, 0, 0, NULL);
     return;
   }
+  const uint32_t part = depth == 0                                   ? D3D12_FILL_ZERO
+                        : image->info.format == GPU_FORMAT_D16_UNORM ? D3D12_FILL_ONE_UNORM
+                                                                     : D3D12_FILL_ONE_FLOAT;
   for (uint32_t layer = 0; layer < image->info.layers; ++layer)
-    fill_layer(device, image, layer, depth == 1 ? D3D12_FILL_SIZE : 0);
+    fill_layer(device, image, layer, (uint64_t)part * D3D12_FILL_SIZE);
 }
 
 /* What was copied becomes readable: a pass may draw from it. Images never rest in COMMON. */
@@ -245,8 +255,21 @@ void d3d12_pass_begin(gpu_device *device, gpu_target *target) {
   device->target = target;
   ID3D12GraphicsCommandList_OMSetRenderTargets(device->list, target->color ? 1 : 0, target->color ? &color : NULL,
                                                FALSE, target->depth ? &depth : NULL);
-  ID3D12GraphicsCommandList_RSSetViewports(device->list, 1, &target->viewport);
-  ID3D12GraphicsCommandList_RSSetScissorRects(device->list, 1, &target->scissor);
+  d3d12_pass_area(device, &(gpu_rect){.width = target->width, .height = target->height});
+}
+
+void d3d12_pass_area(gpu_device *device, const gpu_rect *area) {
+  const D3D12_VIEWPORT viewport = {.TopLeftX = (float)area->x,
+                                   .TopLeftY = (float)area->y,
+                                   .Width = (float)area->width,
+                                   .Height = (float)area->height,
+                                   .MaxDepth = 1};
+  const D3D12_RECT scissor = {.left = (LONG)area->x,
+                              .top = (LONG)area->y,
+                              .right = (LONG)(area->x + area->width),
+                              .bottom = (LONG)(area->y + area->height)};
+  ID3D12GraphicsCommandList_RSSetViewports(device->list, 1, &viewport);
+  ID3D12GraphicsCommandList_RSSetScissorRects(device->list, 1, &scissor);
 }
 
 void d3d12_pass_end(gpu_device *device) {
@@ -276,7 +299,7 @@ void d3d12_pass_native(gpu_device *device, gpu_native_pass *out) {
   *out = (gpu_native_pass){.command_buffer = device->list};
   if (target->depth) {
     out->depth_view = ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(target->depth_heap).ptr;
-    out->depth_format = DXGI_FORMAT_D32_FLOAT;
+    out->depth_format = d3d12_format(target->depth->info.format);
   }
   device->descriptors_set = false; /* the engine sets its own */
 }

@@ -15,6 +15,7 @@ struct gpu_device {
   bool engine;                /* any engine's device will do */
   const gpu_program *program; /* of the pass that is open */
   bool recording, in_pass, bound;
+  uint32_t width, height; /* of the target that is drawn into */
 };
 
 struct gpu_buffer {
@@ -31,6 +32,7 @@ struct gpu_image {
 
 struct gpu_target {
   char name[NAME_SIZE];
+  uint32_t width, height;
 };
 
 struct gpu_program {
@@ -82,6 +84,8 @@ static uint32_t texel_bytes(gpu_format format) {
     return 0;
   case GPU_FORMAT_R8_UNORM:
     return 1;
+  case GPU_FORMAT_D16_UNORM:
+    return 2;
   case GPU_FORMAT_D32_FLOAT:
     return 4;
   case GPU_FORMAT_RG32_FLOAT:
@@ -228,6 +232,9 @@ static csm_result null_target_create(gpu_device *device, const gpu_target_info *
   if (!target)
     return CSM_ERROR_OUT_OF_MEMORY;
   set_name(target->name, info->name);
+  const gpu_image_info *size = info->depth ? &info->depth->info : &info->color->info;
+  target->width = size->width;
+  target->height = size->height;
   return CSM_SUCCESS;
 }
 
@@ -306,14 +313,17 @@ static void null_copy_buffer(gpu_device *device, gpu_buffer *to, uint64_t to_off
 }
 
 static void null_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *from,
-                            uint32_t layer) {
-  record(device, "copy_image %s %llu %u %s %u", to->name, (unsigned long long)offset, row_bytes, from->name, layer);
+                            const gpu_region *region) {
+  record(device, "copy_image %s %llu %u %s %u", to->name, (unsigned long long)offset, row_bytes, from->name,
+         region->layer);
   require(device, device->recording && !device->in_pass, "copy_image: not between begin and end, or in a pass");
   require(device, row_bytes % OFFSET_ALIGNMENT == 0, "copy_image: row_bytes is not a multiple of 256");
-  require(device, layer < from->info.layers, "copy_image: no such layer");
+  require(device, region->layer < from->info.layers, "copy_image: no such layer");
+  require(device, region->x + region->width <= from->info.width && region->y + region->height <= from->info.height,
+          "copy_image: the region is not inside the image");
   require(device, from->info.usage & GPU_IMAGE_COPY_SOURCE, "copy_image: the image is not made to be copied");
-  const uint64_t used = (uint64_t)from->info.width * texel_bytes(from->info.format);
-  const uint64_t size = (uint64_t)row_bytes * (from->info.height - 1) + used;
+  const uint64_t used = (uint64_t)region->width * texel_bytes(from->info.format);
+  const uint64_t size = (uint64_t)row_bytes * (region->height - 1) + used;
   const bool fits = used <= row_bytes && holds(to, offset, size);
   require(device, fits, "copy_image: beyond a row's or the buffer's end");
   if (fits)
@@ -338,8 +348,17 @@ static void null_pass_begin(gpu_device *device, gpu_target *target) {
   record(device, "pass_begin %s", target->name);
   require(device, device->recording && !device->in_pass, "pass_begin: not between begin and end, or in a pass");
   device->in_pass = true;
+  device->width = target->width;
+  device->height = target->height;
   device->program = NULL;
   device->bound = false;
+}
+
+static void null_pass_area(gpu_device *device, const gpu_rect *area) {
+  record(device, "area %u %u %u %u", area->x, area->y, area->width, area->height);
+  require(device, device->in_pass, "pass_area: no pass is open");
+  require(device, area->x + area->width <= device->width && area->y + area->height <= device->height,
+          "pass_area: the area is not inside the target");
 }
 
 static void null_pass_end(gpu_device *device) {
@@ -461,6 +480,7 @@ static const gpu_backend table = {
     .copy_to_image = null_copy_to_image,
     .clear_depth = null_clear_depth,
     .pass_begin = null_pass_begin,
+    .pass_area = null_pass_area,
     .pass_end = null_pass_end,
     .pass_program = null_pass_program,
     .pass_bind = null_pass_bind,

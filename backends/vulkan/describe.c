@@ -108,7 +108,8 @@ csm_result vulkan_describe_physical(gpu_device *device) {
   info->type = device_type(properties->deviceType);
   info->required = "Vulkan 1.1 (instance and device); depthClamp; D32_SFLOAT as a depth target and a texture; a "
                    "graphics queue";
-  info->optional = "VK_EXT_debug_utils: names and markers; VK_EXT_memory_budget: what memory is left; "
+  info->optional = "depthBiasClamp: bias_raster_clamp; VK_EXT_debug_utils: names and markers; VK_EXT_memory_budget: "
+                   "what memory is left; "
                    "VK_KHR_driver_properties: the driver's name; timestamps on the queue: GPU times";
   vulkan_text(info->name, sizeof info->name, "%s", properties->deviceName);
   if (device->driver_properties)

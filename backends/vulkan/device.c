@@ -78,6 +78,8 @@ VkFormat vulkan_format(gpu_format format) {
   switch (format) {
   case GPU_FORMAT_D32_FLOAT:
     return VK_FORMAT_D32_SFLOAT;
+  case GPU_FORMAT_D16_UNORM:
+    return VK_FORMAT_D16_UNORM;
   case GPU_FORMAT_R8_UNORM:
     return VK_FORMAT_R8_UNORM;
   case GPU_FORMAT_RG32_FLOAT:
@@ -96,6 +98,8 @@ uint32_t vulkan_texel_bytes(gpu_format format) {
   switch (format) {
   case GPU_FORMAT_R8_UNORM:
     return 1;
+  case GPU_FORMAT_D16_UNORM:
+    return 2;
   case GPU_FORMAT_D32_FLOAT:
     return 4;
   case GPU_FORMAT_RG32_FLOAT:

@@ -14,7 +14,7 @@
 
 #define VULKAN_MAX_SLOTS 8
 #define VULKAN_FORMATS (GPU_FORMAT_RGBA32_FLOAT + 1)
-#define VULKAN_SAMPLERS (GPU_SAMPLER_COMPARE_LESS_EQUAL + 1)
+#define VULKAN_SAMPLERS (GPU_SAMPLER_COMPARE_GREATER_EQUAL + 1)
 
 /* ---- memory.c ---- */
 typedef struct vulkan_block vulkan_block;
@@ -124,6 +124,7 @@ struct gpu_device {
   bool debug;             /* VK_EXT_debug_utils is on */
   bool driver_properties; /* VK_KHR_driver_properties may be asked */
   bool memory_budget;     /* VK_EXT_memory_budget is on */
+  bool clamps_bias;       /* depthBiasClamp is on */
 
   /* what the device is */
   gpu_device_info info;
@@ -239,10 +240,11 @@ void vulkan_timestamp(gpu_device *device, uint32_t index);
 void vulkan_copy_buffer(gpu_device *device, gpu_buffer *to, uint64_t to_offset, gpu_buffer *from, uint64_t from_offset,
                         uint64_t size);
 void vulkan_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *from,
-                       uint32_t layer);
+                       const gpu_region *region);
 void vulkan_copy_to_image(gpu_device *device, gpu_image *to, gpu_buffer *from, uint64_t offset, uint32_t row_bytes);
 void vulkan_clear_depth(gpu_device *device, gpu_image *image, float depth);
 void vulkan_pass_begin(gpu_device *device, gpu_target *target);
+void vulkan_pass_area(gpu_device *device, const gpu_rect *area);
 void vulkan_pass_end(gpu_device *device);
 void vulkan_pass_program(gpu_device *device, gpu_program *program);
 void vulkan_pass_bind(gpu_device *device, gpu_bindings *bindings, const uint32_t *offsets);

@@ -266,7 +266,10 @@ csm_result vulkan_own_open(gpu_device *device) {
                                          .queueFamilyIndex = device->queue_family,
                                          .queueCount = 1,
                                          .pQueuePriorities = &priority};
-  const VkPhysicalDeviceFeatures features = {.depthClamp = VK_TRUE};
+  VkPhysicalDeviceFeatures available;
+  device->vk.GetPhysicalDeviceFeatures(device->physical, &available);
+  device->clamps_bias = available.depthBiasClamp;
+  const VkPhysicalDeviceFeatures features = {.depthClamp = VK_TRUE, .depthBiasClamp = available.depthBiasClamp};
   const char *const extensions[] = {VK_EXT_MEMORY_BUDGET_EXTENSION_NAME};
   const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                    .queueCreateInfoCount = 1,

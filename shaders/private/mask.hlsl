@@ -14,7 +14,8 @@ Texture2D<float> camera_depth : register(t1);
 #ifdef MASK_NORMALS
 Texture2D<float4> normals : register(t2);
 #endif
-SamplerComparisonState csm_compare : register(s0);
+SamplerState csm_point : register(s0);
+#define CSM_POINT csm_point
 
 #include "csm_sample.hlsl"
 

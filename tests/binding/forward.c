@@ -53,6 +53,8 @@ typedef struct bench {
   gpu_buffer *upload, *geometry, *readback;
   gpu_image *maps, *depth, *pictures[PICTURES];
   gpu_target *map_targets[CASCADES], *depth_target, *picture_targets[PICTURES];
+  pass_casters casters;
+  plan_layout layout;
   gpu_program *cascade_depth, *camera_depth, *mask[2], *forward[LANGUAGES];
   gpu_bindings *mask_bindings, *forward_bindings[LANGUAGES];
   plan_instance instances[BOXES + 1];
@@ -159,8 +161,12 @@ static bool make_plan(bench *b, uint32_t filter) {
   double view[16], projection[16];
   const char *error = "";
   make_camera(view, projection);
-  if (plan_frame_make(&b->frame, &config, view, projection, (const double[]){0.4, -1, 0.25}, &b->scene, b->frame_memory,
-                      &error))
+  const plan_frame_info info = {.config = &config,
+                                .view = view,
+                                .projection = projection,
+                                .light = (const double[]){0.4, -1, 0.25},
+                                .scene = &b->scene};
+  if (plan_frame_make(&b->frame, &info, b->frame_memory, &error))
     return check(b, false, error);
   plan_view_make(&b->view, &b->frame.camera, &b->scene, b->view_memory);
   check(b, b->view.instance_count == 1, "the camera sees the plane alone");
@@ -246,12 +252,18 @@ static csm_result make_forward(bench *b, uint32_t language, gpu_program **out) {
 }
 
 static csm_result make_programs(bench *b) {
-  csm_result result = cascade_depth_program(b->gpu, (pass_vertices){.stride = 12}, &b->cascade_depth);
+  csm_config config = {.struct_size = sizeof config};
+  plan_config_default(&config);
+  config.cascade_count = CASCADES;
+  config.resolution = RESOLUTION;
+  b->casters = cascade_depth_casters(&config);
+  plan_layout_make(&b->layout, &config);
+  csm_result result =
+      cascade_depth_program(b->gpu, &b->casters, GPU_CULL_NONE, (pass_vertices){.stride = 12}, &b->cascade_depth);
   if (!result)
     result = camera_depth_program(b->gpu, true, (pass_vertices){.stride = 12}, &b->camera_depth);
   for (uint32_t filter = 0; filter < 2 && !result; ++filter)
-    result =
-        mask_program(b->gpu, &(mask_kind){.filter = filter, .bias_mode = CSM_BIAS_RECEIVER_PLANE}, &b->mask[filter]);
+    result = mask_program(b->gpu, &(mask_kind){.filter = filter}, &b->mask[filter]);
   if (!result) {
     const gpu_bindings_info inputs = mask_inputs(b->mask[0], b->upload, b->maps, b->depth, NULL);
     result = b->gpu.api->bindings_create(b->gpu.device, &inputs, &b->mask_bindings);
@@ -295,7 +307,8 @@ static void record_forward(bench *b, uint32_t language) {
   api->pass_bind(b->gpu.device, b->forward_bindings[language], (const uint32_t[]){AT_BLOCKS, AT_PLANE});
   api->pass_draw(b->gpu.device, &(gpu_draw){.count = 3, .instance_count = 1});
   api->pass_end(b->gpu.device);
-  api->copy_image(b->gpu.device, b->readback, (uint64_t)(1 + language) * PIXELS, WIDTH, b->pictures[1 + language], 0);
+  api->copy_image(b->gpu.device, b->readback, (uint64_t)(1 + language) * PIXELS, WIDTH, b->pictures[1 + language],
+                  &(gpu_region){.width = WIDTH, .height = HEIGHT});
 }
 
 static csm_result draw(bench *b, uint32_t filter) {
@@ -306,10 +319,21 @@ static csm_result draw(bench *b, uint32_t filter) {
     return result;
   api->copy_buffer(device, b->geometry, 0, b->upload, AT_GEOMETRY, GEOMETRY_BYTES);
   const pass_mesh meshes[2] = {
-      {b->geometry, b->geometry, 0, AT_SQUARE_INDICES, 6, 2, 0, 0, NULL},
-      {b->geometry, b->geometry, AT_BOX, AT_BOX_INDICES, 36, 2, 0, 0, NULL},
+      {.vertices = b->geometry,
+       .indices = b->geometry,
+       .index_offset = AT_SQUARE_INDICES,
+       .index_count = 6,
+       .index_size = 2},
+      {.vertices = b->geometry,
+       .indices = b->geometry,
+       .vertex_offset = AT_BOX,
+       .index_offset = AT_BOX_INDICES,
+       .index_count = 36,
+       .index_size = 2},
   };
-  cascade_depth_pass maps = {.programs = &b->cascade_depth,
+  cascade_depth_pass maps = {.casters = &b->casters,
+                             .programs = {&b->cascade_depth},
+                             .layout = &b->layout,
                              .maps = b->maps,
                              .targets = b->map_targets,
                              .plan = &b->frame,
@@ -330,7 +354,7 @@ static csm_result draw(bench *b, uint32_t filter) {
                                    .bindings = b->mask_bindings,
                                    .target = b->picture_targets[0],
                                    .constants_offset = AT_BLOCKS});
-  api->copy_image(device, b->readback, 0, WIDTH, b->pictures[0], 0);
+  api->copy_image(device, b->readback, 0, WIDTH, b->pictures[0], &(gpu_region){.width = WIDTH, .height = HEIGHT});
   for (uint32_t language = 0; language < LANGUAGES; ++language)
     record_forward(b, language);
   const csm_result ended = api->end(device);

@@ -61,7 +61,8 @@ static void check_frame(const plan_frame *frame, const csm_config *config, const
     last = info->far_depth;
   }
   assert_finite(floats, plan_write_constants(floats, frame, config) / (uint32_t)sizeof(float));
-  assert_finite(floats, plan_write_mask_constants(floats, frame, &frame->camera, 1, 16384, true) / (uint32_t)sizeof(float));
+  assert_finite(floats,
+                plan_write_mask_constants(floats, frame, &frame->camera, 1, 16384, true) / (uint32_t)sizeof(float));
   plan_hash(frame, config, &scene->scene);
   plan_list list;
   plan_view_make(&list, &frame->camera, &scene->scene, scene->memory);
@@ -114,8 +115,7 @@ static void any_frame_is_finite_or_has_a_named_error(void **state) {
       disturb(&random, light, 3);
     config.shadow_distance = fmin(fmax(random_scale(&random, 1e-4, 1e10), 1e-3), 1e9);
     plan_frame frame;
-    const csm_result result =
-        plan_frame_make(&frame, &config, view, projection, light, &scene.scene, scene.memory, &error);
+    const csm_result result = plan_made(&frame, &config, view, projection, light, &scene.scene, scene.memory, &error);
     if (result == CSM_SUCCESS) {
       check_frame(&frame, &config, &scene);
       ++planned;
@@ -157,7 +157,7 @@ static void any_configuration_is_planned_or_has_a_named_error(void **state) {
       continue;
     }
     plan_frame frame;
-    result = plan_frame_make(&frame, &config, view, projection, (double[]){0.1, -1.0, 0.0}, &nothing, NULL, &error);
+    result = plan_made(&frame, &config, view, projection, (double[]){0.1, -1.0, 0.0}, &nothing, NULL, &error);
     assert_true(result == CSM_SUCCESS || (is_named(result) && error[0]));
     for (uint32_t c = 0; !result && c < frame.cascade_count; ++c)
       assert_true(plan_finite(frame.cascades[c].info.world_to_shadow, 16));

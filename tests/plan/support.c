@@ -182,7 +182,7 @@ plan_frame plan_empty(const csm_config *config, const test_camera *camera, const
   const plan_scene nothing = {0};
   plan_frame frame;
   camera_matrices(camera, view, projection);
-  const csm_result result = plan_frame_make(&frame, config, view, projection, light, &nothing, NULL, &error);
+  const csm_result result = plan_made(&frame, config, view, projection, light, &nothing, NULL, &error);
   if (result)
     fail_msg("%d: %s", result, error);
   return frame;
@@ -243,4 +243,11 @@ void transform_point(const double m[16], const double p[3], double out[3]) {
 void assert_near(double value, double expected, double tolerance) {
   if (!(fabs(value - expected) <= tolerance))
     fail_msg("%.17g is not %.17g within %g", value, expected, tolerance);
+}
+
+csm_result plan_made(plan_frame *out, const csm_config *config, const double view[16], const double projection[16],
+                     const double light[3], const plan_scene *scene, void *memory, const char **error) {
+  const plan_frame_info info = {
+      .config = config, .view = view, .projection = projection, .light = light, .scene = scene};
+  return plan_frame_make(out, &info, memory, error);
 }

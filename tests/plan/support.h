@@ -68,4 +68,8 @@ void instance_point(const plan_scene *scene, uint32_t instance, const double at[
 void transform_point(const double m[16], const double p[3], double out[3]);
 
 void assert_near(double value, double expected, double tolerance);
+/* A first frame, without samples. */
+csm_result plan_made(plan_frame *out, const csm_config *config, const double view[16], const double projection[16],
+                      const double light[3], const plan_scene *scene, void *memory, const char **error);
+
 #endif

@@ -35,7 +35,7 @@ static void cascade_matrices_agree_with_world_to_shadow(void **state) {
     camera_matrices(&camera, view, projection);
     scene_scatter(&scene, &random, camera.eye, 20.0);
     plan_frame frame;
-    assert_int_equal(plan_frame_make(&frame, &config, view, projection, light, &scene.scene, scene.memory, &error),
+    assert_int_equal(plan_made(&frame, &config, view, projection, light, &scene.scene, scene.memory, &error),
                      CSM_SUCCESS);
     for (uint32_t c = 0; c < frame.cascade_count; ++c) {
       const plan_cascade *cascade = &frame.cascades[c];
@@ -221,9 +221,8 @@ static uint64_t hash_of(const hashed *in, const test_scene *scene) {
   const char *error = "";
   plan_frame frame;
   camera_matrices(&in->camera, view, projection);
-  assert_int_equal(
-      plan_frame_make(&frame, &in->config, view, projection, in->light, &scene->scene, scene->memory, &error),
-      CSM_SUCCESS);
+  assert_int_equal(plan_made(&frame, &in->config, view, projection, in->light, &scene->scene, scene->memory, &error),
+                   CSM_SUCCESS);
   return plan_hash(&frame, &in->config, &scene->scene);
 }
 

@@ -188,9 +188,11 @@ CSM_API csm_result CSM_CALL csm_opacity_create(csm_context *context, const csm_o
  */
 CSM_API csm_result CSM_CALL csm_opacity_destroy(csm_context *context, csm_opacity opacity);
 
+enum { CSM_MESH_TWO_SIDED = 1u << 0 /* casts from both sides, whatever csm_config.cull_mode says: leaves, cloth */ };
+
 struct csm_mesh_info {
   uint32_t struct_size;
-  uint32_t flags;           /* 0 */
+  uint32_t flags;           /* CSM_MESH_* */
   const void *positions;    /* vertex_count times three floats: object space, metres; copied */
   uint32_t position_stride; /* bytes from one to the next, a multiple of 4; 0 means 12 */
   uint32_t vertex_count;    /* 1 to 2^31 - 1 */
@@ -203,8 +205,8 @@ struct csm_mesh_info {
   const struct csm_vulkan_mesh *vulkan;
   const struct csm_d3d12_mesh *d3d12;
   float bounds_min[3], bounds_max[3]; /* object space, metres; read only for an engine's buffers */
-  /* An alpha-tested mesh: it is there where its opacity is at least the cutoff. 0: opaque everywhere. All meshes cast
-     from both sides. */
+  /* An alpha-tested mesh: it is there where its opacity is at least the cutoff. 0: opaque everywhere. Faces are
+     counter-clockwise seen from outside. */
   csm_opacity opacity;
   const void *uvs;    /* vertex_count times two floats, v = 0 at the texture's first row; NULL in an engine's buffers,
                          which say where theirs are */
@@ -217,8 +219,8 @@ struct csm_mesh_info {
  * mesh is destroyed and its last frame retired. A copied one is uploaded by the next frame that is recorded.
  * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (counts, stride, index_size, flags), INVALID_INDEX (an index not
  * below vertex_count), INVALID_HANDLE (opacity), NOT_FINITE (a position, the bounds), UNSUPPORTED (buffers of the other
- * API), LIMIT_EXCEEDED (memory; more than 32 pairs of strides of vertices and uvs), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY,
- * DEVICE_LOST. *mesh is 0 after an error. [render-thread]
+ * API), LIMIT_EXCEEDED (memory; more than 32 pairs of strides of vertices and uvs), OUT_OF_MEMORY,
+ * OUT_OF_DEVICE_MEMORY, DEVICE_LOST. *mesh is 0 after an error. [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_mesh_create(csm_context *context, const csm_mesh_info *info, csm_mesh *mesh);
 
@@ -230,9 +232,52 @@ CSM_API csm_result CSM_CALL csm_mesh_destroy(csm_context *context, csm_mesh mesh
 
 /* ---- configuration ---- */
 
-enum { CSM_SPLIT_PRACTICAL = 0, CSM_SPLIT_MANUAL = 1 };
-enum { CSM_FILTER_PCF_2X2 = 0, CSM_FILTER_PCF_3X3 = 1 };
+enum {
+  CSM_SPLIT_PRACTICAL = 0, /* by split_lambda */
+  CSM_SPLIT_MANUAL = 1,    /* by split_distances */
+  CSM_SPLIT_UNIFORM = 2,
+  CSM_SPLIT_LOGARITHMIC = 3,
+  CSM_SPLIT_SHARES = 4 /* by split_distances, as shares of the way from the near plane to the end of shadows */
+};
+enum {
+  CSM_FILTER_PCF_2X2 = 0,      /* one bilinear comparison */
+  CSM_FILTER_PCF_3X3 = 1,      /* n x n of them, one texel apart: (n + 1) x (n + 1) texels */
+  CSM_FILTER_NEAREST = 2,      /* the one texel that holds the sample */
+  CSM_FILTER_LINEAR_DEPTH = 3, /* one comparison with the bilinear depth */
+  CSM_FILTER_PCF_5X5 = 4,
+  CSM_FILTER_PCF_7X7 = 5,
+  CSM_FILTER_PCF_N = 6,   /* filter_taps a side */
+  CSM_FILTER_POISSON = 7, /* 16 bilinear comparisons on a disc of filter_radius_texels, turned per place in the world */
+  CSM_FILTER_VOGEL = 8,   /* filter_taps of them, on a spiral */
+  CSM_FILTER_GRID_17 = 9  /* 17 single texels, half a texel and a texel around the sample */
+};
+enum { CSM_WEIGHTS_UNIFORM = 0, CSM_WEIGHTS_GAUSSIAN = 1, CSM_WEIGHTS_CASTANO = 2 };
 enum { CSM_BIAS_SLOPE = 0, CSM_BIAS_RECEIVER_PLANE = 1 };
+enum { CSM_NORMAL_OFFSET_CONSTANT = 0, CSM_NORMAL_OFFSET_SINE = 1, CSM_NORMAL_OFFSET_ONE_MINUS_COSINE = 2 };
+enum {
+  CSM_FIT_MINIMUM_SPHERE = 0,
+  CSM_FIT_CENTROID_SPHERE = 1,
+  CSM_FIT_CASCADE = 2,        /* box of the slice in light space */
+  CSM_FIT_CASCADE_SQUARE = 3, /* a square around its middle, as wide as the slice's longest diagonal */
+  CSM_FIT_SCENE = 4,          /* as CASCADE, but every slice begins at the camera's near plane */
+  CSM_FIT_SCENE_SQUARE = 5
+};
+enum {
+  CSM_DEPTH_CASTERS = 0,      /* the slice, and towards the light as far as casters reach, up to caster_distance */
+  CSM_DEPTH_SLICE = 1,        /* the slice, and caster_distance towards the light */
+  CSM_DEPTH_SCENE = 2,        /* the bounding box of all instances */
+  CSM_DEPTH_SCENE_CLIPPED = 3 /* what of that box lies over the map */
+};
+enum { CSM_CASTER_CLAMP = 0, CSM_CASTER_CLIP = 1 };
+enum { CSM_SNAP_ROUND = 0, CSM_SNAP_FLOOR = 1, CSM_SNAP_OFF = 2 };
+enum { CSM_ROLL_FIXED = 0, CSM_ROLL_CARRIED = 1 };
+enum { CSM_SAMPLES_OFF = 0, CSM_SAMPLES_SPLITS = 1, CSM_SAMPLES_BOUNDS = 2 };
+enum { CSM_SELECT_INTERVAL = 0, CSM_SELECT_MAP = 1, CSM_SELECT_BEST = 2 };
+enum { CSM_BEYOND_LIT = 0, CSM_BEYOND_DARK = 1, CSM_BEYOND_FADED = 2 };
+enum { CSM_BLEND_OFF = 0, CSM_BLEND_LINEAR = 1, CSM_BLEND_DITHERED = 2 };
+enum { CSM_CULL_NONE = 0, CSM_CULL_FRONT = 1, CSM_CULL_BACK = 2 };
+enum { CSM_LAYOUT_ARRAY = 0, CSM_LAYOUT_ATLAS = 1 };
+enum { CSM_MAP_D32 = 0, CSM_MAP_D16 = 1 };
 
 /* A configuration of cascades. csm_config_describe gives the unit, range and default of every field. */
 typedef struct csm_config {
@@ -253,14 +298,51 @@ typedef struct csm_config {
   double bias_slope_texels;    /* CSM_BIAS_SLOPE: depth bias for each unit of the receiver's slope to the light */
   double bias_slope_max;       /* slope (tangent) at which that stops growing */
   double bias_normal_texels;   /* offset of the receiver along its normal, in texels' widths */
+
+  /* From here on 0 is what was before there were these fields. */
+  uint32_t fit_mode;            /* CSM_FIT_*: what of light space a map covers */
+  uint32_t depth_mode;          /* CSM_DEPTH_*: from where to where along the light */
+  uint32_t caster_clip;         /* CSM_CASTER_*: what becomes of casters before a map's near plane */
+  uint32_t snap_mode;           /* CSM_SNAP_*: how a map's place is brought to the grid of its texels */
+  uint32_t snap_power;          /* that grid is 2^snap_power texels wide; 0 to 4 */
+  uint32_t roll_mode;           /* CSM_ROLL_*: how maps are turned about the light */
+  uint32_t sample_distribution; /* CSM_SAMPLES_*: what is fitted to the depths that the camera sees */
+  uint32_t selection;           /* CSM_SELECT_*: which cascade a point takes */
+  uint32_t beyond;              /* CSM_BEYOND_*: what lies past the last one */
+  uint32_t blend_mode;          /* CSM_BLEND_*: at a cascade's end */
+  uint32_t filter_taps;         /* PCF_N: taps a side, odd, 3 to 31; VOGEL: points, 1 to 64 */
+  uint32_t filter_weights;      /* CSM_WEIGHTS_*: of the taps of PCF_3X3 to PCF_N */
+  uint32_t filter_early_out;    /* PCF_5X5 to PCF_N: 1 looks at corners and middle first, and leaves it there if these
+                                   agree */
+  uint32_t normal_offset_mode;  /* CSM_NORMAL_OFFSET_*: what bias_normal_texels is multiplied with */
+  uint32_t cull_mode;           /* CSM_CULL_*: faces of casters that are left out; meshes that say they are two-sided
+                                   keep theirs */
+  uint32_t map_layout;          /* CSM_LAYOUT_*: a layer for each cascade, or one image for all */
+  uint32_t map_format;          /* CSM_MAP_* */
+  uint32_t map_reversed;        /* 1: depth 1 is nearest to the light */
+  uint32_t resolutions[CSM_MAX_CASCADES]; /* of single cascades; 0: `resolution` */
+  double split_near;                      /* view depth in metres from which splits are spread; 0: the near plane */
+  double filter_radius_texels;            /* POISSON, VOGEL: of their disc */
+  double light_step_texels;    /* the light that maps are drawn with moves in steps: a step shifts what lies a map's
+                                  width away by so many texels; 0: it moves freely */
+  double sample_margin;        /* room around what the camera sees, as a share of it */
+  double blend_share;          /* length of the band that blends, as a share of a cascade */
+  double fade_share;           /* CSM_BEYOND_FADED: length over which shadows fade, as a share of the distance */
+  double bias_constant_range;  /* depth bias as a share of the map's depth range */
+  double bias_constant_m;      /* depth bias in metres */
+  double bias_slope_range;     /* for each unit of slope, as a share of the depth range */
+  double bias_limit_range;     /* the most that all slope bias may be, as a share of the depth range; 0: no limit */
+  double bias_raster_constant; /* the rasteriser's constant depth bias, in its own units for the format */
+  double bias_raster_slope;    /* its slope-scaled bias */
+  double bias_raster_clamp;    /* the most that these may be, in depth; 0: no limit */
 } csm_config;
 
-enum { CSM_FIELD_UINT = 0, CSM_FIELD_DOUBLE = 1, CSM_FIELD_ENUM = 2, CSM_FIELD_DOUBLES = 3 };
+enum { CSM_FIELD_UINT = 0, CSM_FIELD_DOUBLE = 1, CSM_FIELD_ENUM = 2, CSM_FIELD_DOUBLES = 3, CSM_FIELD_UINTS = 4 };
 
 /* One field of csm_config. Texts are static. */
 typedef struct csm_config_field {
   uint32_t struct_size;
-  uint32_t type;             /* CSM_FIELD_*; DOUBLES is an array of `length` */
+  uint32_t type;             /* CSM_FIELD_*; DOUBLES and UINTS are arrays of `length` */
   uint32_t offset;           /* in csm_config, in bytes */
   uint32_t length;           /* 1, or an array's length */
   double minimum;            /* inclusive */
@@ -311,14 +393,18 @@ typedef struct csm_instance {
 typedef struct csm_draw_info {
   uint32_t struct_size;
   uint32_t cascade;
-  uint32_t resolution;      /* of the map, whose viewport and scissor are set */
+  uint32_t resolution;      /* of the cascade's map, whose viewport and scissor are set */
   uint32_t depth_format;    /* VkFormat or DXGI_FORMAT of the target; there is no colour, one sample */
-  double world_to_clip[16]; /* affine; depth outside [0,1] must be clamped, not clipped; it is smaller nearer the sun */
+  double world_to_clip[16]; /* affine; depth outside [0,1] must be clamped, not clipped; it is smaller nearer the sun,
+                               unless `reversed` */
   double planes[5][4];      /* world space: what may cast into the map has dot(p, xyz) + w >= 0 for some point, for each
                                plane: left, right, bottom, top, far; towards the light it is open */
   void *command_buffer;     /* VkCommandBuffer or ID3D12GraphicsCommandList*, inside the cascade's pass */
   uint64_t render_pass;     /* VkRenderPass that the pass is compatible with, subpass 0; 0 on D3D12 */
   uint64_t depth_view;      /* D3D12: CPU descriptor of the depth view that is set; 0 on Vulkan */
+  uint32_t x, y;            /* texel of the target at which the map begins: not 0 in an atlas */
+  uint32_t reversed;        /* 1: depth is larger nearer the sun, and compared with greater */
+  uint32_t reserved;        /* 0 */
 } csm_draw_info;
 
 /*
@@ -402,6 +488,7 @@ typedef struct csm_binding {
                                sampler like that */
   uint64_t maps_descriptor; /* in, D3D12: D3D12_CPU_DESCRIPTOR_HANDLE.ptr that gets a view of the maps; or 0 */
   uint64_t mask_descriptor; /* in, D3D12: likewise of the mask, if there is one */
+  uint32_t resolutions[CSM_MAX_CASCADES]; /* of each cascade's map, texels a side */
 } csm_binding;
 
 /*

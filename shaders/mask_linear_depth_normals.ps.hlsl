@@ -1,4 +1,3 @@
-#define CSM_FILTER_TAPS 3
-#define CSM_BIAS_MODE 0
+#define CSM_FILTER 3
 #define MASK_NORMALS
 #include "private/mask.hlsl"

@@ -1,0 +1,261 @@
+/* fit.c: what of light space a cascade's map covers, across the light and along it. */
+#include "plan/internal.h"
+
+#include <math.h>
+
+/*
+ * Places, sizes and depths are whole multiples of steps that follow from the projection and the configuration alone,
+ * counted from the world's origin, so that whatever moves, a still point keeps its place within a texel, and its depth:
+ *
+ * - A slice's sphere has the same radius however the camera stands, so its texels always have the same size, and the
+ *   map begins at a whole number of texels. So has a square as wide as the slice's longest diagonal. A box that fits
+ * its slice changes with every turn. All leave room at the border for the filter, the normal offset, the texels by
+ * which the map's beginning is rounded, and half a texel for the rounding of floats.
+ * - The map ends, along the light, at the first whole number of depth steps behind the slice. A step is a quarter of
+ *   the radius, so a camera that turns or moves a little leaves it where it is.
+ * - It begins a whole number of steps before that end: 9 of them hold the slice wherever it is within its step, and
+ *   the number doubles until the casters before it fit too, up to the configured distance. So it depends on casters,
+ *   but seldom changes. What lies before it is clamped to depth 0.
+ */
+#define DEPTH_STEPS_PER_RADIUS 4.0
+#define DEPTH_STEPS (2.0 * DEPTH_STEPS_PER_RADIUS + 1.0)
+
+/* From here on, a position's rounding error is no longer small against a texel. */
+#define MOST_TEXELS 281474976710656.0 /* 2^48 */
+
+/* What a slice takes up of light space: its middle, its width along each axis, and its size however it is turned. */
+typedef struct extent {
+  double middle[3], width[3];
+  double diameter;
+} extent;
+
+static bool is_sphere(const csm_config *config) {
+  return config->fit_mode == CSM_FIT_MINIMUM_SPHERE || config->fit_mode == CSM_FIT_CENTROID_SPHERE;
+}
+
+static bool is_square(const csm_config *config) {
+  return config->fit_mode == CSM_FIT_CASCADE_SQUARE || config->fit_mode == CSM_FIT_SCENE_SQUARE;
+}
+
+static bool begins_at_camera(const csm_config *config) {
+  return config->fit_mode == CSM_FIT_SCENE || config->fit_mode == CSM_FIT_SCENE_SQUARE;
+}
+
+void plan_view_to_light(double out[3], const plan_camera *camera, const double basis[9], const double inverse[9],
+                        const double view[3]) {
+  double offset[3];
+  for (int i = 0; i < 3; ++i)
+    offset[i] = inverse[i] * view[0] + inverse[3 + i] * view[1] + inverse[6 + i] * view[2];
+  for (int i = 0; i < 3; ++i)
+    out[i] = plan_dot(&basis[i * 3], camera->position) + plan_dot(&basis[i * 3], offset);
+}
+
+static void sphere_extent(extent *out, const plan_camera *camera, const double basis[9], const csm_config *config,
+                          double near, double far) {
+  double center[3], radius, inverse[9];
+  if (config->fit_mode == CSM_FIT_CENTROID_SPHERE)
+    plan_slice_centroid_sphere(center, &radius, camera, near, far);
+  else
+    plan_slice_sphere(center, &radius, camera, near, far);
+  plan_view_rotation_inverse(inverse, camera->view);
+  plan_view_to_light(out->middle, camera, basis, inverse, center);
+  out->diameter = 2.0 * radius;
+  for (int i = 0; i < 3; ++i)
+    out->width[i] = out->diameter;
+}
+
+static void box_extent(extent *out, const plan_camera *camera, const double basis[9], double near, double far) {
+  double corners[8][3], inverse[9], low[3], high[3];
+  plan_slice_corners(corners, camera, near, far);
+  plan_view_rotation_inverse(inverse, camera->view);
+  for (int corner = 0; corner < 8; ++corner) {
+    double light[3];
+    plan_view_to_light(light, camera, basis, inverse, corners[corner]);
+    for (int i = 0; i < 3; ++i) {
+      low[i] = corner ? fmin(low[i], light[i]) : light[i];
+      high[i] = corner ? fmax(high[i], light[i]) : light[i];
+    }
+  }
+  for (int i = 0; i < 3; ++i) {
+    out->middle[i] = (low[i] + high[i]) / 2.0;
+    out->width[i] = high[i] - low[i];
+  }
+  out->diameter = 0.0;
+  for (int a = 0; a < 8; ++a)
+    for (int b = 0; b < a; ++b) {
+      const double d[3] = {corners[a][0] - corners[b][0], corners[a][1] - corners[b][1], corners[a][2] - corners[b][2]};
+      out->diameter = fmax(out->diameter, sqrt(plan_dot(d, d)));
+    }
+}
+
+/*
+ * A normal offset is in the larger texels, so the axis with the finer ones leaves more of them free for it.
+ */
+static void size_texels(double texel[2], const double width[2], const csm_config *config, uint32_t resolution) {
+  const double padding = plan_padding_texels(config), offset = ceil(config->bias_normal_texels);
+  double largest = 0.0;
+  for (int i = 0; i < 2; ++i) {
+    texel[i] = width[i] / (resolution - 2.0 * padding);
+    largest = fmax(largest, texel[i]);
+  }
+  for (int i = 0; i < 2; ++i)
+    if (texel[i] < largest)
+      texel[i] = (width[i] + 2.0 * offset * largest) / (resolution - 2.0 * (padding - offset));
+}
+
+static double snap(double place, const csm_config *config) {
+  const double grid = (double)(1u << config->snap_power);
+  return config->snap_mode == CSM_SNAP_OFF     ? place
+         : config->snap_mode == CSM_SNAP_FLOOR ? floor(place / grid) * grid
+                                               : round(place / grid) * grid;
+}
+
+csm_result plan_fit_slice(plan_fit *out, const plan_fit_frame *frame, uint32_t cascade, double near, double far,
+                          const char **error) {
+  const csm_config *config = frame->config;
+  const double begin = begins_at_camera(config) ? frame->camera->near_depth : near;
+  const uint32_t resolution = plan_resolution(config, cascade);
+  extent slice;
+  if (is_sphere(config))
+    sphere_extent(&slice, frame->camera, frame->basis, config, begin, far);
+  else
+    box_extent(&slice, frame->camera, frame->basis, begin, far);
+
+  double middle[2] = {slice.middle[0], slice.middle[1]}, width[2] = {slice.width[0], slice.width[1]};
+  if (is_square(config))
+    width[0] = width[1] = slice.diameter;
+  if (frame->samples)
+    plan_samples_bound(middle, width, frame, cascade, near, far);
+  size_texels(out->texel, width, config, resolution);
+  for (int i = 0; i < 2; ++i)
+    out->origin[i] = snap(middle[i] / out->texel[i] - resolution / 2.0, config);
+  out->resolution = resolution;
+  out->step = slice.diameter / (2.0 * DEPTH_STEPS_PER_RADIUS);
+  out->depth[0] = slice.middle[2] - slice.width[2] / 2.0;
+  out->depth[1] = slice.middle[2] + slice.width[2] / 2.0;
+
+  const double largest = fmax(fabs(middle[0]), fmax(fabs(middle[1]), fabs(slice.middle[2])));
+  const double finest = fmin(out->texel[0], out->texel[1]);
+  if (!isfinite(slice.diameter) || !(slice.diameter > 1e-12) || !(finest > 0.0) || !(largest / finest < MOST_TEXELS))
+    return plan_fail(error, CSM_ERROR_INVALID_CAMERA, "view and projection have numbers too large to plan with");
+  return CSM_SUCCESS;
+}
+
+/* ---- along the light ---- */
+
+static double steps_end(const plan_fit *fit) {
+  return ceil(fit->depth[1] / fit->step);
+}
+
+/* Steps from the first kept depth to the map's end. */
+static double depth_steps(const plan_fit *fit, double first_caster, const csm_config *config) {
+  const double most = DEPTH_STEPS + ceil(config->caster_distance / fit->step);
+  const double wanted = fmin(steps_end(fit) - first_caster / fit->step, most); /* minus infinity without casters */
+  double steps = DEPTH_STEPS;
+  while (steps < wanted)
+    steps *= 2.0;
+  return fmin(steps, most);
+}
+
+/* The part of a convex polygon, of up to 4 corners more than it had, on one side of a plane along an axis. */
+static int clip_polygon(double (*out)[3], const double (*in)[3], int count, int axis, double limit, double side) {
+  int kept = 0;
+  for (int i = 0; i < count; ++i) {
+    const double *a = in[i], *b = in[(i + 1) % count];
+    const double da = side * (limit - a[axis]), db = side * (limit - b[axis]);
+    if (da >= 0.0) {
+      for (int k = 0; k < 3; ++k)
+        out[kept][k] = a[k];
+      ++kept;
+    }
+    if ((da < 0.0) != (db < 0.0)) {
+      for (int k = 0; k < 3; ++k)
+        out[kept][k] = a[k] + (b[k] - a[k]) * (da / (da - db));
+      ++kept;
+    }
+  }
+  return kept;
+}
+
+/* How far the box's faces reach along the light over the map. The faces hold both ends of all that the box holds. */
+static void clip_scene(double depth[2], const plan_scene_box *box, const plan_area *area) {
+  static const int faces[6][4] = {{0, 1, 3, 2}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 3, 7, 5}};
+  for (int face = 0; face < 6; ++face) {
+    double polygon[2][8][3];
+    int count = 4, current = 0;
+    for (int i = 0; i < 4; ++i)
+      for (int k = 0; k < 3; ++k)
+        polygon[0][i][k] = box->corners[faces[face][i]][k];
+    for (int plane = 0; plane < 4; ++plane, current = !current) {
+      const int axis = plane / 2;
+      const double limit = plane & 1 ? area->max[axis] : area->min[axis];
+      count = clip_polygon(polygon[!current], (const double(*)[3])polygon[current], count, axis, limit,
+                           plane & 1 ? 1.0 : -1.0);
+    }
+    for (int i = 0; i < count; ++i) {
+      depth[0] = fmin(depth[0], polygon[current][i][2]);
+      depth[1] = fmax(depth[1], polygon[current][i][2]);
+    }
+  }
+}
+
+plan_area plan_fit_area(const plan_fit *fit, const csm_config *config, const plan_scene_box *box) {
+  plan_area area = {.depth = {INFINITY, -INFINITY}};
+  for (int i = 0; i < 2; ++i) {
+    area.min[i] = fit->origin[i] * fit->texel[i];
+    area.max[i] = (fit->origin[i] + fit->resolution) * fit->texel[i];
+  }
+  if (config->depth_mode == CSM_DEPTH_SCENE && box->corner_count)
+    for (int i = 0; i < 8; ++i) {
+      area.depth[0] = fmin(area.depth[0], box->corners[i][2]);
+      area.depth[1] = fmax(area.depth[1], box->corners[i][2]);
+    }
+  else if (config->depth_mode == CSM_DEPTH_SCENE_CLIPPED && box->corner_count)
+    clip_scene(area.depth, box, &area);
+  /* Without a scene, or where it has no depth, there is the slice. */
+  if (!(area.depth[1] - area.depth[0] > 1e-6 * fit->step)) {
+    area.depth[0] = fit->depth[0] - config->caster_distance;
+    area.depth[1] = fit->depth[1];
+  }
+  if (config->depth_mode == CSM_DEPTH_CASTERS)
+    area.depth[1] = steps_end(fit) * fit->step;
+  return area;
+}
+
+void plan_fit_place(plan_cascade *cascade, const plan_fit *fit, const plan_area *area, const double basis[9],
+                    const csm_config *config) {
+  /* In units of the map: its sides along right and up, its range along the light */
+  double scale[3], origin[3];
+  for (int i = 0; i < 2; ++i) {
+    scale[i] = 1.0 / (fit->texel[i] * fit->resolution);
+    origin[i] = fit->origin[i] / fit->resolution;
+  }
+  double range = area->depth[1] - area->depth[0];
+  origin[2] = area->depth[0] / range;
+  if (config->depth_mode == CSM_DEPTH_CASTERS) {
+    const double steps = depth_steps(fit, area->first_caster, config);
+    range = steps * fit->step;
+    origin[2] = (steps_end(fit) - steps) / steps;
+  }
+  scale[2] = 1.0 / range;
+  cascade->info.texel_size = fmax(fit->texel[0], fit->texel[1]);
+  cascade->info.depth_range = range;
+  for (int i = 0; i < 2; ++i) {
+    cascade->texel[i] = fit->texel[i];
+    cascade->origin_texels[i] = fit->origin[i];
+  }
+  cascade->resolution = fit->resolution;
+
+  /* Light space to the map's unit cube, from there to clip, and to texture coordinates with v down */
+  double *shadow = cascade->info.world_to_shadow;
+  for (int axis = 0; axis < 3; ++axis) {
+    const bool depth = axis == 2, down = axis == 1 || (depth && config->map_reversed);
+    const double sign = depth && down ? -1.0 : 1.0;
+    cascade->to_clip[axis * 5] = sign * (depth ? scale[axis] : 2.0 * scale[axis]);
+    cascade->to_clip[axis * 4 + 3] = depth ? (down ? 1.0 + origin[axis] : -origin[axis]) : -2.0 * origin[axis] - 1.0;
+    for (int k = 0; k < 3; ++k)
+      shadow[k * 4 + axis] = (down ? -scale[axis] : scale[axis]) * basis[axis * 3 + k];
+    shadow[12 + axis] = down ? 1.0 + origin[axis] : -origin[axis];
+  }
+  shadow[15] = 1.0;
+}

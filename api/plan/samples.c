@@ -1,0 +1,211 @@
+/*
+ * samples.c: splits and bounds by what the camera saw. Lauritzen, Salvi and Lefohn, "Sample Distribution Shadow Maps"
+ * (2011), with the depths of an earlier frame: its surfaces are seen again from where the camera is now.
+ *
+ * A tile of that frame's picture holds the nearest and the farthest depth in it, so what was seen there lies in a
+ * frustum of eight corners. Sizes are steps of a quarter of an octave, which grow at once where they must, and shrink
+ * when they are two steps too large: so texels keep their size, and what is fitted does not jitter.
+ */
+#include "plan/internal.h"
+
+#include <math.h>
+
+#define STEPS_PER_OCTAVE 4.0
+#define SHRINK_STEPS 2.0
+/* The bound of a map never shrinks below 1/16 of its fit. */
+#define MOST_STEPS (4.0 * STEPS_PER_OCTAVE)
+/* From this share of a field of view on, a turn shows what no tile has seen. */
+#define CUT_TURN 0.25
+/* And so does a move by this share of the way to the farthest surface. */
+#define CUT_MOVE 0.25
+
+/* The view depth of a depth in the camera's buffer. */
+static double view_depth(const plan_camera *camera, double depth) {
+  const double *p = camera->projection;
+  const double z = (p[14] - depth * p[15]) / (depth * p[11] - p[10]);
+  return plan_view_side(camera) * z;
+}
+
+/* The view-space corners of what a tile saw between two view depths; a tile at the border goes on beyond it. */
+static void tile_corners(double (*corners)[3], const plan_samples *samples, uint32_t column, uint32_t row,
+                         const double depths[2], double margin) {
+  const double *p = samples->camera.projection;
+  const double determinant = p[0] * p[5] - p[4] * p[1];
+  const double left = column == 0 ? -1.0 - 2.0 * margin : 2.0 * column * samples->tile_px / samples->width - 1.0;
+  const double right = column + 1 == samples->columns ? 1.0 + 2.0 * margin
+                                                      : 2.0 * (column + 1) * samples->tile_px / samples->width - 1.0;
+  const double top = row == 0 ? 1.0 + 2.0 * margin : 1.0 - 2.0 * row * samples->tile_px / samples->height;
+  const double bottom =
+      row + 1 == samples->rows ? -1.0 - 2.0 * margin : 1.0 - 2.0 * (row + 1) * samples->tile_px / samples->height;
+  for (int i = 0; i < 8; ++i) {
+    const double z = plan_view_side(&samples->camera) * depths[i / 4], w = p[11] * z + p[15];
+    const double x = w * (i & 1 ? right : left) - p[8] * z - p[12];
+    const double y = w * (i & 2 ? top : bottom) - p[9] * z - p[13];
+    corners[i][0] = (p[5] * x - p[4] * y) / determinant;
+    corners[i][1] = (p[0] * y - p[1] * x) / determinant;
+    corners[i][2] = z;
+  }
+}
+
+/* The view depths between which a tile saw surfaces; false: it saw none. */
+static bool tile_depths(double depths[2], const plan_samples *samples, uint32_t column, uint32_t row) {
+  const float *bounds = samples->depths[row * samples->columns + column];
+  if (!(bounds[0] <= bounds[1]))
+    return false;
+  const double a = view_depth(&samples->camera, bounds[0]), b = view_depth(&samples->camera, bounds[1]);
+  depths[0] = fmin(a, b);
+  depths[1] = fmax(a, b);
+  return depths[0] > -INFINITY && depths[1] < INFINITY && depths[0] <= depths[1];
+}
+
+/* How deep a point of the samples' view space lies in the view of another camera. */
+static double depth_from(const plan_camera *camera, const plan_camera *samples, const double inverse[9],
+                         const double view[3]) {
+  double apart[3];
+  for (int i = 0; i < 3; ++i)
+    apart[i] = samples->position[i] - camera->position[i] + inverse[i] * view[0] + inverse[3 + i] * view[1] +
+               inverse[6 + i] * view[2];
+  return plan_dot(apart, camera->forward);
+}
+
+/* ---- what can be used ---- */
+
+static double farthest_depth(const plan_samples *samples) {
+  double farthest = 0.0, depths[2];
+  for (uint32_t row = 0; row < samples->rows; ++row)
+    for (uint32_t column = 0; column < samples->columns; ++column)
+      if (tile_depths(depths, samples, column, row))
+        farthest = fmax(farthest, depths[1]);
+  return farthest;
+}
+
+/*
+ * A camera that has turned or moved far sees what was not seen: a cut. So does one with another projection, and one
+ * that had nothing before it.
+ */
+bool plan_samples_usable(const plan_samples *samples, const plan_camera *camera, const csm_config *config) {
+  if (config->sample_distribution == CSM_SAMPLES_OFF || !samples || !samples->columns)
+    return false;
+  const plan_camera *then = &samples->camera;
+  for (int i = 0; i < 16; ++i)
+    if (fabs(then->projection[i] - camera->projection[i]) > 0.05 * fabs(camera->projection[i]) + 1e-3)
+      return false;
+  const double tangent = fmin(1.0 / fabs(camera->projection[0]), 1.0 / fabs(camera->projection[5]));
+  const double field = camera->orthographic ? 1.0 : 2.0 * atan(tangent);
+  const double turned = acos(fmin(1.0, plan_dot(then->forward, camera->forward)));
+  double rolled = 0.0, moved = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    rolled += then->view[i * 4] * camera->view[i * 4];
+    const double step = camera->position[i] - then->position[i];
+    moved += step * step;
+  }
+  const double farthest = farthest_depth(samples);
+  return farthest > 0.0 && turned < CUT_TURN * field && rolled > cos(CUT_TURN * field) &&
+         sqrt(moved) < CUT_MOVE * farthest;
+}
+
+/* ---- splits ---- */
+
+/* Steps of a range's logarithm: what is needed, or what there was if that holds it and is not much wider. */
+static double keep_or_fit(double needed, double before, bool has_before, double direction) {
+  const bool holds = direction * (before - needed) >= 0.0;
+  const bool close = fabs(before - needed) < SHRINK_STEPS;
+  return has_before && holds && close ? before : needed;
+}
+
+void plan_samples_range(double *near, double *end, const plan_fit_frame *frame) {
+  const plan_samples *samples = frame->samples;
+  const double margin = frame->config->sample_margin;
+  double inverse[9], nearest = INFINITY, farthest = -INFINITY;
+  plan_view_rotation_inverse(inverse, samples->camera.view);
+  for (uint32_t row = 0; row < samples->rows; ++row)
+    for (uint32_t column = 0; column < samples->columns; ++column) {
+      double depths[2], corners[8][3];
+      if (!tile_depths(depths, samples, column, row))
+        continue;
+      tile_corners(corners, samples, column, row, depths, 0.0);
+      for (int i = 0; i < 8; ++i) {
+        const double depth = depth_from(frame->camera, &samples->camera, inverse, corners[i]);
+        nearest = fmin(nearest, depth);
+        farthest = fmax(farthest, depth);
+      }
+    }
+  nearest *= 1.0 - margin;
+  farthest *= 1.0 + margin;
+  plan_history *after = frame->after;
+  const plan_history *before = frame->before;
+  const bool had = before && before->has_samples;
+  after->has_samples = true;
+  /* At or behind the camera's origin there is no logarithm, and no less than the near plane. */
+  const double least = fmax(nearest, fmax(*near, 1e-6 * fabs(*end)));
+  after->sample_range[0] =
+      keep_or_fit(floor(log2(least) * STEPS_PER_OCTAVE), had ? before->sample_range[0] : 0.0, had, -1.0);
+  after->sample_range[1] =
+      keep_or_fit(ceil(log2(fmax(farthest, 1e-12)) * STEPS_PER_OCTAVE), had ? before->sample_range[1] : 0.0, had, 1.0);
+  const double fitted_near = fmax(*near, exp2(after->sample_range[0] / STEPS_PER_OCTAVE));
+  const double fitted_end = fmin(*end, exp2(after->sample_range[1] / STEPS_PER_OCTAVE));
+  if (!(fitted_near < fitted_end)) /* all that is seen lies past the end of shadows */
+    return;
+  *near = fitted_near;
+  *end = fitted_end;
+}
+
+/* ---- bounds ---- */
+
+/* The samples' part between two view depths of the camera now, in light space across the light; false: there is none.
+ */
+static bool visible_bounds(double low[2], double high[2], const plan_fit_frame *frame, double near, double far) {
+  const plan_samples *samples = frame->samples;
+  double inverse[9];
+  bool any = false;
+  plan_view_rotation_inverse(inverse, samples->camera.view);
+  for (uint32_t row = 0; row < samples->rows; ++row)
+    for (uint32_t column = 0; column < samples->columns; ++column) {
+      double depths[2], corners[8][3], shift = 0.0;
+      if (!tile_depths(depths, samples, column, row))
+        continue;
+      tile_corners(corners, samples, column, row, depths, frame->config->sample_margin);
+      for (int i = 0; i < 8; ++i)
+        shift = fmax(shift, fabs(depth_from(frame->camera, &samples->camera, inverse, corners[i]) - depths[i / 4]));
+      depths[0] = fmax(depths[0], near - shift);
+      depths[1] = fmin(depths[1], far + shift);
+      if (depths[0] > depths[1])
+        continue;
+      tile_corners(corners, samples, column, row, depths, frame->config->sample_margin);
+      for (int i = 0; i < 8; ++i) {
+        double light[3];
+        plan_view_to_light(light, &samples->camera, frame->basis, inverse, corners[i]);
+        for (int k = 0; k < 2; ++k) {
+          low[k] = any ? fmin(low[k], light[k]) : light[k];
+          high[k] = any ? fmax(high[k], light[k]) : light[k];
+        }
+        any = true;
+      }
+    }
+  return any;
+}
+
+void plan_samples_bound(double middle[2], double width[2], const plan_fit_frame *frame, uint32_t cascade, double near,
+                        double far) {
+  double low[2], high[2];
+  if (frame->config->sample_distribution != CSM_SAMPLES_BOUNDS || !visible_bounds(low, high, frame, near, far))
+    return;
+  const plan_history *before = frame->before;
+  for (int k = 0; k < 2; ++k) {
+    const double room = 1.0 + frame->config->sample_margin;
+    const double begin = fmax(low[k], middle[k] - width[k] / 2.0), end = fmin(high[k], middle[k] + width[k] / 2.0);
+    const double needed = (end - begin) * room;
+    if (!(needed > 0.0))
+      continue;
+    /* Steps that the fit's width is divided by */
+    const double steps = fmin(fmax(floor(log2(width[k] / needed) * STEPS_PER_OCTAVE), 0.0), MOST_STEPS);
+    const bool had = before && before->has_bounds[cascade];
+    const double kept = keep_or_fit(steps, had ? before->bound_steps[cascade][k] : 0.0, had, -1.0);
+    frame->after->bound_steps[cascade][k] = kept;
+    if (kept <= 0.0)
+      continue;
+    middle[k] = (begin + end) / 2.0;
+    width[k] *= exp2(-kept / STEPS_PER_OCTAVE);
+  }
+  frame->after->has_bounds[cascade] = true;
+}

@@ -1,0 +1,2 @@
+#define CSM_FILTER 9
+#include "private/mask.hlsl"

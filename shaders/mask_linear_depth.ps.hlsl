@@ -1,0 +1,2 @@
+#define CSM_FILTER 3
+#include "private/mask.hlsl"

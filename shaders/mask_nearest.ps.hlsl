@@ -1,0 +1,2 @@
+#define CSM_FILTER 2
+#include "private/mask.hlsl"

@@ -1,0 +1,2 @@
+#define CSM_FILTER 0
+#include "private/mask.hlsl"

@@ -1,0 +1,2 @@
+#define CSM_FILTER 1
+#include "private/mask.hlsl"

@@ -1,0 +1,2 @@
+#define CSM_FILTER 7
+#include "private/mask.hlsl"

@@ -1,0 +1,2 @@
+#define CSM_FILTER 8
+#include "private/mask.hlsl"
