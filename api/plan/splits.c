@@ -42,7 +42,8 @@ csm_result plan_splits(double *depths, const plan_fit_frame *frame, const char *
 
   /* Manual splits that the near plane, the far plane or the shadow distance overtakes keep a thin slice. */
   const double thin = (end - near) / 1024.0;
-  const double spread = config->split_near > near && config->split_near < end ? config->split_near : near;
+  const double from = config->split_near;
+  const double spread = from > 0.0 && from > near && from < end ? from : near;
   depths[0] = near;
   depths[count] = end;
   for (uint32_t i = 1; i < count; ++i) {
