@@ -190,7 +190,7 @@ static const config_entry entries[] = {
           .about = "Sides of single cascades' maps, 16 or more; 0 takes resolution."),
     ENTRY(split_near, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 1000000000.0,
           .default_value = 0.0, .unit = "m",
-          .about = "View depth from which practical and logarithmic splits are spread; 0 is the near plane."),
+          .about = "View depth from which splits that are not given are spread; 0 is the near plane."),
     ENTRY(filter_radius_texels, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 16.0,
           .default_value = 2.0, .unit = "texels", .about = "Radius of the disc of filters poisson and vogel."),
     ENTRY(light_step_texels, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 16.0,

@@ -58,6 +58,14 @@ static double angle_between(const double a[3], const double b[3]) {
   return atan2(sqrt(plan_dot(cross, cross)), plan_dot(a, b));
 }
 
+/* Of the cascades' maps, for it is the one that a step shifts by the most texels. */
+static double largest_resolution(const csm_config *config) {
+  uint32_t largest = 0;
+  for (uint32_t i = 0; i < config->cascade_count; ++i)
+    largest = plan_resolution(config, i) > largest ? plan_resolution(config, i) : largest;
+  return largest;
+}
+
 /*
  * "Common Techniques to Improve Shadow Depth Maps" (Microsoft), Moving the light in texel-sized increments: as long as
  * the light has not gone a whole step from the direction that maps were drawn with, they keep it. An angle of n texels
@@ -70,7 +78,7 @@ csm_result plan_light_make(double basis[9], const csm_config *config, const doub
     return result;
   const double *last = &before->basis[6];
   const double along[3] = {basis[6], basis[7], basis[8]};
-  if (angle_between(last, along) < config->light_step_texels / config->resolution) {
+  if (angle_between(last, along) < config->light_step_texels / largest_resolution(config)) {
     for (int i = 0; i < 9; ++i)
       basis[i] = before->basis[i];
     return CSM_SUCCESS;

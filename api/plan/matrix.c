@@ -131,7 +131,7 @@ bool plan_normalize(double v[3]) {
   return true;
 }
 
-/* The volume of unit vectors along the columns, 0 to 1; 0 if a column is 0. */
+/* The signed volume of unit vectors along the columns, -1 to 1; 0 if a column is 0. */
 static double unit_volume(const double m[16]) {
   double columns[3][3], cross[3];
   for (int i = 0; i < 3; ++i) {
@@ -141,7 +141,7 @@ static double unit_volume(const double m[16]) {
       return 0.0;
   }
   plan_cross(cross, columns[0], columns[1]);
-  return fabs(plan_dot(cross, columns[2]));
+  return plan_dot(cross, columns[2]);
 }
 
 csm_result plan_check_affine(const double m[16]) {
@@ -151,11 +151,9 @@ csm_result plan_check_affine(const double m[16]) {
     return CSM_ERROR_NOT_FINITE;
   const bool affine =
       fabs(m[3]) <= last_row && fabs(m[7]) <= last_row && fabs(m[11]) <= last_row && fabs(m[15] - 1.0) <= last_row;
-  return affine && unit_volume(m) > dependent ? CSM_SUCCESS : CSM_ERROR_INVALID_MATRIX;
+  return affine && fabs(unit_volume(m)) > dependent ? CSM_SUCCESS : CSM_ERROR_INVALID_MATRIX;
 }
 
 bool plan_mirrors(const double m[16]) {
-  double cross[3];
-  plan_cross(cross, &m[0], &m[4]);
-  return plan_dot(cross, &m[8]) < 0.0;
+  return unit_volume(m) < 0.0;
 }

@@ -11,16 +11,6 @@ static double reach_texels(const csm_config *config) {
   return (config->filter == CSM_FILTER_PCF_3X3 ? 2.0 : 1.0) + config->bias_normal_texels;
 }
 
-/* A point of a slice: its corners and edges too, where maps are tightest. */
-static void slice_point(random_state *random, const test_camera *camera, const csm_cascade_info *info, double out[3]) {
-  double at[3];
-  for (int i = 0; i < 3; ++i)
-    at[i] = random_below(random, 2) ? random_between(random, -1.0, 1.0) : (random_below(random, 2) ? 1.0 : -1.0);
-  const double share = (at[2] + 1.0) / 2.0;
-  camera_point(camera, at[0], at[1],
-               share < 1.0 ? info->near_depth + share * (info->far_depth - info->near_depth) : info->far_depth, out);
-}
-
 static void holds_every_receiver_with_its_filter(void **state) {
   (void)state;
   random_state random = {1};

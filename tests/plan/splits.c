@@ -116,6 +116,101 @@ static void need_room_before_the_shadow_distance(void **state) {
   }
 }
 
+/* ---- closed forms ---- */
+
+typedef double closed_form(const csm_config *config, double near, double end, uint32_t split);
+
+static double share(const csm_config *config, uint32_t split) {
+  return (double)split / config->cascade_count;
+}
+
+static double uniform(const csm_config *config, double near, double end, uint32_t split) {
+  return near + (end - near) * share(config, split);
+}
+
+static double logarithmic(const csm_config *config, double near, double end, uint32_t split) {
+  return near * pow(end / near, share(config, split));
+}
+
+static double practical(const csm_config *config, double near, double end, uint32_t split) {
+  return config->split_lambda * logarithmic(config, near, end, split) +
+         (1.0 - config->split_lambda) * uniform(config, near, end, split);
+}
+
+static void check_form(const csm_config *config, const test_camera *camera, closed_form *form, double from) {
+  const plan_frame frame = plan_empty(config, camera, down);
+  const double end = fmin(config->shadow_distance, camera->far);
+  assert_near(frame.cascades[0].info.near_depth, camera->near, 1e-9 * fabs(camera->near));
+  for (uint32_t i = 1; i < config->cascade_count; ++i) {
+    const double expected = form(config, from, end, i);
+    assert_near(frame.cascades[i - 1].info.far_depth, expected, 1e-8 * fabs(expected));
+  }
+  assert_near(frame.cascades[config->cascade_count - 1].info.far_depth, end, 1e-8 * end);
+}
+
+/* From the near plane, from split_near where that lies between it and the end, and not from anywhere else. */
+static void modes_follow_their_closed_forms(void **state) {
+  (void)state;
+  random_state random = {2};
+  static const uint32_t modes[] = {CSM_SPLIT_UNIFORM, CSM_SPLIT_LOGARITHMIC, CSM_SPLIT_PRACTICAL};
+  closed_form *const forms[] = {uniform, logarithmic, practical};
+  for (int i = 0; i < 6000; ++i) {
+    test_camera camera = plain_camera();
+    camera.near = random_scale(&random, 0.01, 1.0);
+    camera.far = random_scale(&random, 10.0, 1e4);
+    csm_config config = default_config();
+    config.cascade_count = 1 + random_below(&random, CSM_MAX_CASCADES);
+    config.shadow_distance = random_scale(&random, 10.0, 1e4);
+    config.split_lambda = random_between(&random, 0.0, 1.0);
+    config.split_mode = modes[i % 3];
+    const double end = fmin(config.shadow_distance, camera.far);
+    check_form(&config, &camera, forms[i % 3], camera.near);
+    config.split_near = random_between(&random, camera.near, end);
+    check_form(&config, &camera, forms[i % 3], config.split_near);
+    config.split_near =
+        i % 2 ? camera.near * random_between(&random, 0.0, 1.0) : end * random_between(&random, 1.0, 2.0);
+    check_form(&config, &camera, forms[i % 3], camera.near);
+  }
+}
+
+/* Logarithms of what lies before the camera, whose near plane lies behind it. */
+static void split_near_gives_an_orthographic_camera_logarithms(void **state) {
+  (void)state;
+  test_camera camera = plain_camera();
+  camera.orthographic = true;
+  camera.half_width = camera.half_height = 20.0;
+  camera.near = -20.0;
+  camera.far = 80.0;
+  csm_config config = default_config();
+  config.split_mode = CSM_SPLIT_LOGARITHMIC;
+  config.split_near = 5.0;
+  check_form(&config, &camera, logarithmic, 5.0);
+}
+
+static void shares_are_of_the_way_to_the_end(void **state) {
+  (void)state;
+  random_state random = {3};
+  for (int i = 0; i < 2000; ++i) {
+    test_camera camera = plain_camera();
+    camera.near = random_scale(&random, 0.01, 1.0);
+    camera.far = random_scale(&random, 10.0, 1e4);
+    csm_config config = default_config();
+    config.split_mode = CSM_SPLIT_SHARES;
+    config.cascade_count = 4;
+    config.split_near = random_between(&random, 0.0, 10.0); /* is for splits that are not given */
+    config.shadow_distance = random_scale(&random, 10.0, 1e4);
+    double last = 0.0;
+    for (int k = 0; k < 4; ++k)
+      config.split_distances[k] = last += random_between(&random, 0.02, 0.25);
+    const double length = fmin(config.shadow_distance, camera.far) - camera.near;
+    const plan_frame frame = plan_empty(&config, &camera, down);
+    for (int k = 0; k < 4; ++k) {
+      const double expected = camera.near + length * config.split_distances[k];
+      assert_near(frame.cascades[k].info.far_depth, expected, 1e-8 * expected);
+    }
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(follows_the_formula),
@@ -124,6 +219,9 @@ int main(void) {
       cmocka_unit_test(manual_ones_are_kept_where_they_fit),
       cmocka_unit_test(orthographic_ones_are_uniform_behind_the_origin),
       cmocka_unit_test(need_room_before_the_shadow_distance),
+      cmocka_unit_test(modes_follow_their_closed_forms),
+      cmocka_unit_test(split_near_gives_an_orthographic_camera_logarithms),
+      cmocka_unit_test(shares_are_of_the_way_to_the_end),
   };
   return cmocka_run_group_tests_name("plan-splits", tests, NULL, NULL);
 }

@@ -176,6 +176,28 @@ csm_config random_config(random_state *random) {
   return config;
 }
 
+csm_config random_full_config(random_state *random) {
+  static const uint32_t taps[] = {3, 9, 31};
+  csm_config config;
+  const char *error = "";
+  do {
+    config = random_config(random);
+    config.fit_mode = random_below(random, CSM_FIT_SCENE_SQUARE + 1);
+    config.snap_mode = random_below(random, CSM_SNAP_OFF + 1);
+    config.snap_power = config.snap_mode == CSM_SNAP_OFF ? 0 : random_below(random, 5);
+    config.filter = random_below(random, CSM_FILTER_GRID_17 + 1);
+    config.filter_taps = taps[random_below(random, 3)];
+    config.filter_radius_texels = random_between(random, 0.0, 16.0);
+    config.bias_mode = CSM_BIAS_SLOPE;
+    config.map_reversed = random_below(random, 2);
+    if (config.split_mode == CSM_SPLIT_PRACTICAL)
+      config.split_mode = random_below(random, 2) ? CSM_SPLIT_UNIFORM : CSM_SPLIT_LOGARITHMIC;
+    for (uint32_t i = 0; i < CSM_MAX_CASCADES; ++i)
+      config.resolutions[i] = random_below(random, 2) ? 0 : 16 + random_below(random, 5000);
+  } while (plan_config_check(&config, &error));
+  return config;
+}
+
 plan_frame plan_empty(const csm_config *config, const test_camera *camera, const double light[3]) {
   double view[16], projection[16];
   const char *error = "";
@@ -238,6 +260,21 @@ void transform_point(const double m[16], const double p[3], double out[3]) {
   for (int row = 0; row < 3; ++row)
     out[row] = (double)((long double)m[row] * p[0] + (long double)m[4 + row] * p[1] + (long double)m[8 + row] * p[2] +
                         (long double)m[12 + row]);
+}
+
+double shadow_depth(const csm_cascade_info *info, const double p[3]) {
+  double at[3];
+  transform_point(info->world_to_shadow, p, at);
+  return at[2];
+}
+
+void slice_point(random_state *random, const test_camera *camera, const csm_cascade_info *info, double out[3]) {
+  double at[3];
+  for (int i = 0; i < 3; ++i)
+    at[i] = random_below(random, 2) ? random_between(random, -1.0, 1.0) : (random_below(random, 2) ? 1.0 : -1.0);
+  const double share = (at[2] + 1.0) / 2.0;
+  camera_point(camera, at[0], at[1],
+               share < 1.0 ? info->near_depth + share * (info->far_depth - info->near_depth) : info->far_depth, out);
 }
 
 void assert_near(double value, double expected, double tolerance) {

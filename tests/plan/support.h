@@ -48,6 +48,8 @@ plan_frame plan_empty(const csm_config *config, const test_camera *camera, const
 csm_config default_config(void);
 /* A configuration within all ranges, with practical or manual splits. */
 csm_config random_config(random_state *random);
+/* A sound one whose fit, snapping, filter, resolutions and splits may be any of all. */
+csm_config random_full_config(random_state *random);
 
 /* A scene with its memory, as a plan needs it. */
 typedef struct test_scene {
@@ -67,9 +69,14 @@ void instance_point(const plan_scene *scene, uint32_t instance, const double at[
 /* Column-major matrix times (p, 1), without the last row; summed in long double, so that tests measure the plan. */
 void transform_point(const double m[16], const double p[3], double out[3]);
 
+/* The light's depth of world points, as a share of a cascade's range, is row 2 of world_to_shadow. */
+double shadow_depth(const csm_cascade_info *info, const double p[3]);
+/* A point of a slice: its corners and edges too, where maps are tightest. */
+void slice_point(random_state *random, const test_camera *camera, const csm_cascade_info *info, double out[3]);
+
 void assert_near(double value, double expected, double tolerance);
 /* A first frame, without samples. */
 csm_result plan_made(plan_frame *out, const csm_config *config, const double view[16], const double projection[16],
-                      const double light[3], const plan_scene *scene, void *memory, const char **error);
+                     const double light[3], const plan_scene *scene, void *memory, const char **error);
 
 #endif
