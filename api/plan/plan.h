@@ -107,12 +107,18 @@ typedef struct plan_samples {
   const float (*depths)[2]; /* as in the buffer; the first is above the second where there was no surface */
 } plan_samples;
 
+/* A size, as steps of a logarithm. */
+typedef struct plan_steps {
+  double value;
+  uint32_t wide_frames; /* for so many frames in a row it has been wider than it need be */
+} plan_steps;
+
 /* What a frame hands to the next one. Zero is the first frame. */
 typedef struct plan_history {
   bool has_light, has_samples, has_bounds[CSM_MAX_CASCADES];
-  double basis[9];                         /* of the light that was drawn with */
-  double sample_range[2];                  /* what splits were fitted to, as steps of the logarithm */
-  double bound_steps[CSM_MAX_CASCADES][2]; /* by which each map was narrowed */
+  double basis[9];                             /* of the light that was drawn with */
+  plan_steps sample_range[2];                  /* what splits were fitted to */
+  plan_steps bound_steps[CSM_MAX_CASCADES][2]; /* by which each map was narrowed */
 } plan_history;
 
 typedef struct plan_cascade {

@@ -4,7 +4,8 @@
  *
  * A tile of that frame's picture holds the nearest and the farthest depth in it, so what was seen there lies in a
  * frustum of eight corners. Sizes are steps of a quarter of an octave, which grow at once where they must, and shrink
- * when they are two steps too large: so texels keep their size, and what is fitted does not jitter.
+ * when they have been two steps too large for some frames: so texels keep their size, and what is fitted does not
+ * jitter, nor does it where a tile comes into a slice and leaves it again.
  */
 #include "plan/internal.h"
 
@@ -12,6 +13,7 @@
 
 #define STEPS_PER_OCTAVE 4.0
 #define SHRINK_STEPS 2.0
+#define SHRINK_FRAMES 16
 /* The bound of a map never shrinks below 1/16 of its fit. */
 #define MOST_STEPS (4.0 * STEPS_PER_OCTAVE)
 /* From this share of a field of view on, a turn shows what no tile has seen. */
@@ -106,11 +108,19 @@ bool plan_samples_usable(const plan_samples *samples, const plan_camera *camera,
 
 /* ---- splits ---- */
 
-/* Steps of a range's logarithm: what is needed, or what there was if that holds it and is not much wider. */
-static double keep_or_fit(double needed, double before, bool has_before, double direction) {
-  const bool holds = direction * (before - needed) >= 0.0;
-  const bool close = fabs(before - needed) < SHRINK_STEPS;
-  return has_before && holds && close ? before : needed;
+/*
+ * Steps of a range's logarithm: what is needed, or what there was if that holds it and has not been much wider for
+ * long. `direction` is that in which steps hold more.
+ */
+static plan_steps keep_or_fit(double needed, const plan_steps *before, double direction) {
+  const bool holds = before && direction * (before->value - needed) >= 0.0;
+  if (!holds)
+    return (plan_steps){.value = needed};
+  if (fabs(before->value - needed) < SHRINK_STEPS)
+    return (plan_steps){.value = before->value};
+  if (before->wide_frames + 1 < SHRINK_FRAMES)
+    return (plan_steps){.value = before->value, .wide_frames = before->wide_frames + 1};
+  return (plan_steps){.value = needed};
 }
 
 void plan_samples_range(double *near, double *end, const plan_fit_frame *frame) {
@@ -130,20 +140,20 @@ void plan_samples_range(double *near, double *end, const plan_fit_frame *frame) 
         farthest = fmax(farthest, depth);
       }
     }
-  nearest *= 1.0 - margin;
-  farthest *= 1.0 + margin;
+  nearest -= margin * fabs(nearest);
+  farthest += margin * fabs(farthest);
   plan_history *after = frame->after;
   const plan_history *before = frame->before;
   const bool had = before && before->has_samples;
   after->has_samples = true;
-  /* At or behind the camera's origin there is no logarithm, and no less than the near plane. */
   const double least = fmax(nearest, fmax(*near, 1e-6 * fabs(*end)));
   after->sample_range[0] =
-      keep_or_fit(floor(log2(least) * STEPS_PER_OCTAVE), had ? before->sample_range[0] : 0.0, had, -1.0);
+      keep_or_fit(floor(log2(least) * STEPS_PER_OCTAVE), had ? &before->sample_range[0] : NULL, -1.0);
   after->sample_range[1] =
-      keep_or_fit(ceil(log2(fmax(farthest, 1e-12)) * STEPS_PER_OCTAVE), had ? before->sample_range[1] : 0.0, had, 1.0);
-  const double fitted_near = fmax(*near, exp2(after->sample_range[0] / STEPS_PER_OCTAVE));
-  const double fitted_end = fmin(*end, exp2(after->sample_range[1] / STEPS_PER_OCTAVE));
+      keep_or_fit(ceil(log2(fmax(farthest, 1e-12)) * STEPS_PER_OCTAVE), had ? &before->sample_range[1] : NULL, 1.0);
+  /* An orthographic camera may see what lies behind its origin, of which there is no logarithm. */
+  const double fitted_near = nearest > 0.0 ? fmax(*near, exp2(after->sample_range[0].value / STEPS_PER_OCTAVE)) : *near;
+  const double fitted_end = fmin(*end, exp2(after->sample_range[1].value / STEPS_PER_OCTAVE));
   if (!(fitted_near < fitted_end)) /* all that is seen lies past the end of shadows */
     return;
   *near = fitted_near;
@@ -151,6 +161,25 @@ void plan_samples_range(double *near, double *end, const plan_fit_frame *frame) 
 }
 
 /* ---- bounds ---- */
+
+/*
+ * Widens what a tile saw up to what its neighbours did: a surface that goes on from one to the other is seen at the
+ * centres of pixels, and along a floor that runs away from the camera the next centre may lie far behind the last.
+ */
+static void meet_neighbours(double depths[2], const plan_samples *samples, uint32_t column, uint32_t row) {
+  static const int ways[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
+  const double own[2] = {depths[0], depths[1]};
+  for (int way = 0; way < 4; ++way) {
+    const uint32_t beside = column + (uint32_t)ways[way][0], below = row + (uint32_t)ways[way][1];
+    double other[2];
+    if (beside >= samples->columns || below >= samples->rows || !tile_depths(other, samples, beside, below))
+      continue;
+    if (other[0] > own[1])
+      depths[1] = fmax(depths[1], other[0]);
+    if (other[1] < own[0])
+      depths[0] = fmin(depths[0], other[1]);
+  }
+}
 
 /* The samples' part between two view depths of the camera now, in light space across the light; false: there is none.
  */
@@ -164,6 +193,7 @@ static bool visible_bounds(double low[2], double high[2], const plan_fit_frame *
       double depths[2], corners[8][3], shift = 0.0;
       if (!tile_depths(depths, samples, column, row))
         continue;
+      meet_neighbours(depths, samples, column, row);
       tile_corners(corners, samples, column, row, depths, frame->config->sample_margin);
       for (int i = 0; i < 8; ++i)
         shift = fmax(shift, fabs(depth_from(frame->camera, &samples->camera, inverse, corners[i]) - depths[i / 4]));
@@ -200,12 +230,12 @@ void plan_samples_bound(double middle[2], double width[2], const plan_fit_frame 
     /* Steps that the fit's width is divided by */
     const double steps = fmin(fmax(floor(log2(width[k] / needed) * STEPS_PER_OCTAVE), 0.0), MOST_STEPS);
     const bool had = before && before->has_bounds[cascade];
-    const double kept = keep_or_fit(steps, had ? before->bound_steps[cascade][k] : 0.0, had, -1.0);
+    const plan_steps kept = keep_or_fit(steps, had ? &before->bound_steps[cascade][k] : NULL, -1.0);
     frame->after->bound_steps[cascade][k] = kept;
-    if (kept <= 0.0)
+    if (kept.value <= 0.0)
       continue;
     middle[k] = (begin + end) / 2.0;
-    width[k] *= exp2(-kept / STEPS_PER_OCTAVE);
+    width[k] *= exp2(-kept.value / STEPS_PER_OCTAVE);
   }
   frame->after->has_bounds[cascade] = true;
 }
