@@ -1,0 +1,212 @@
+// The shaders' include in C++: vectors with the operators and the swizzles that it uses.
+#include "sampler.h"
+
+#include <cmath>
+
+#include "csm_constants.h"
+
+namespace shader {
+
+typedef unsigned int uint;
+
+struct csm_float2 {
+  float x, y;
+  csm_float2() : x(0), y(0) {
+  }
+  csm_float2(float x_, float y_) : x(x_), y(y_) {
+  }
+};
+
+// The first components of a longer vector.
+struct first_2 {
+  float x, y;
+  operator csm_float2() const {
+    return csm_float2(x, y);
+  }
+};
+
+struct csm_float3 {
+  union {
+    struct {
+      float x, y, z;
+    };
+    first_2 xy;
+  };
+  csm_float3() : x(0), y(0), z(0) {
+  }
+  csm_float3(float x_, float y_, float z_) : x(x_), y(y_), z(z_) {
+  }
+};
+
+struct first_3 {
+  float x, y, z;
+  operator csm_float3() const {
+    return csm_float3(x, y, z);
+  }
+};
+
+struct csm_float4 {
+  union {
+    struct {
+      float x, y, z, w;
+    };
+    first_2 xy;
+    first_3 xyz;
+  };
+  csm_float4() : x(0), y(0), z(0), w(0) {
+  }
+  csm_float4(float x_, float y_, float z_, float w_) : x(x_), y(y_), z(z_), w(w_) {
+  }
+};
+
+csm_float2 operator+(csm_float2 a, csm_float2 b) {
+  return csm_float2(a.x + b.x, a.y + b.y);
+}
+csm_float2 operator-(csm_float2 a, csm_float2 b) {
+  return csm_float2(a.x - b.x, a.y - b.y);
+}
+csm_float2 operator+(csm_float2 a, float b) {
+  return csm_float2(a.x + b, a.y + b);
+}
+csm_float2 operator-(csm_float2 a, float b) {
+  return csm_float2(a.x - b, a.y - b);
+}
+csm_float2 operator*(csm_float2 a, float b) {
+  return csm_float2(a.x * b, a.y * b);
+}
+csm_float4 operator+(csm_float4 a, csm_float4 b) {
+  return csm_float4(a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w);
+}
+
+float min(float a, float b) {
+  return a < b ? a : b;
+}
+float max(float a, float b) {
+  return a > b ? a : b;
+}
+int abs(int a) {
+  return a < 0 ? -a : a;
+}
+float abs(float a) {
+  return std::fabs(a);
+}
+float sqrt(float a) {
+  return std::sqrt(a);
+}
+float floor(float a) {
+  return std::floor(a);
+}
+float cos(float a) {
+  return std::cos(a);
+}
+float sin(float a) {
+  return std::sin(a);
+}
+csm_float2 floor(csm_float2 a) {
+  return csm_float2(floor(a.x), floor(a.y));
+}
+float clamp(float a, float low, float high) {
+  return min(max(a, low), high);
+}
+csm_float2 clamp(csm_float2 a, float low, float high) {
+  return csm_float2(clamp(a.x, low, high), clamp(a.y, low, high));
+}
+csm_float4 clamp(csm_float4 a, float low, float high) {
+  return csm_float4(clamp(a.x, low, high), clamp(a.y, low, high), clamp(a.z, low, high), clamp(a.w, low, high));
+}
+float csm_mad(float a, float b, float c) {
+  return std::fma(a, b, c);
+}
+
+struct bound {
+  const csm_float4 *constants;
+  const float *depths;
+  float width, height, layers;
+  bool outside;
+};
+bound bound;
+
+float depth_of(float x, float y, float layer) {
+  if (!(x >= 0 && y >= 0 && layer >= 0 && x < bound.width && y < bound.height && layer < bound.layers)) {
+    bound.outside = true;
+    return 0;
+  }
+  return bound.depths[(long(layer) * long(bound.height) + long(y)) * long(bound.width) + long(x)];
+}
+
+csm_float4 depths_of(csm_float2 texel, float layer) {
+  return csm_float4(depth_of(texel.x, texel.y, layer), depth_of(texel.x + 1, texel.y, layer),
+                    depth_of(texel.x, texel.y + 1, layer), depth_of(texel.x + 1, texel.y + 1, layer));
+}
+
+#define CSM_CONSTANTS bound.constants
+#define CSM_DEPTHS_4(texel, layer) depths_of(texel, layer)
+#define CSM_TEXEL_LIT(texel, layer, reference)                                                                         \
+  float(reference * CSM_CONSTANTS[CSM_C_IMAGE].z <=                                                                    \
+        depth_of((texel).x, (texel).y, layer) * CSM_CONSTANTS[CSM_C_IMAGE].z)
+#define CSM_UNROLL
+#define CSM_LOOP
+#define CSM_STATIC static const
+
+#include "csm_sample.inc"
+
+csm_float3 vector(const float v[3]) {
+  return csm_float3(v[0], v[1], v[2]);
+}
+
+} // namespace shader
+
+using namespace shader;
+
+void sampler_bind(const float *constants, const float *depths, uint32_t width, uint32_t height, uint32_t layers) {
+  static csm_float4 block[CSM_C_COUNT];
+  for (int i = 0; i < CSM_C_COUNT; ++i)
+    block[i] = csm_float4(constants[i * 4], constants[i * 4 + 1], constants[i * 4 + 2], constants[i * 4 + 3]);
+  shader::bound = {block, depths, float(width), float(height), float(layers), false};
+}
+
+int sampler_read_outside(void) {
+  return shader::bound.outside;
+}
+
+int sampler_select(float view_depth) {
+  return csm_select(view_depth);
+}
+
+int sampler_cascade(const float position[3], const float normal[3], float view_depth) {
+  return csm_cascade(vector(position), vector(normal), view_depth);
+}
+
+float sampler_bias(int cascade, const float normal[3]) {
+  return csm_bias(shader::bound.constants[CSM_C_TEXELS + cascade], vector(normal));
+}
+
+void sampler_plane(float out[2], int cascade, const float normal[3]) {
+  const csm_float2 plane = csm_plane(shader::bound.constants[CSM_C_TEXELS + cascade], vector(normal));
+  out[0] = plane.x;
+  out[1] = plane.y;
+}
+
+float sampler_blend(int cascade, const float position[3], const float normal[3], float view_depth) {
+  return csm_blend(cascade, vector(position), vector(normal), view_depth);
+}
+
+float sampler_visibility(const float position[3], const float normal[3], float view_depth) {
+  return csm_visibility(vector(position), vector(normal), view_depth);
+}
+
+float sampler_filter(float x, float y, float depth) {
+  csm_spot spot;
+  spot.place = csm_float2(x, y);
+  spot.depth = depth;
+  spot.rect = shader::bound.constants[CSM_C_RECTS];
+  spot.pattern = csm_float2(1, 0);
+  return csm_filter(spot);
+}
+
+void sampler_poisson(float out[16][2]) {
+  for (int i = 0; i < 16; ++i) {
+    out[i][0] = csm_poisson[i].x;
+    out[i][1] = csm_poisson[i].y;
+  }
+}
