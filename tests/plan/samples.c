@@ -154,30 +154,35 @@ static double end_of(const plan_frame *frame) {
   return frame->cascades[frame->cascade_count - 1].info.far_depth;
 }
 
-/* Every surface before the end of shadows lies in a slice, and there in its map, with its filter. */
+/* A surface at a view depth lies in a slice, and there in its map, with its filter. */
+static void check_point(const csm_config *config, const plan_frame *frame, const double p[3], double depth) {
+  const double first = frame->cascades[0].info.near_depth, rounding = 1e-9 * fabs(depth);
+  if (!(depth >= first - rounding && depth <= end_of(frame) + rounding))
+    fail_msg("%.9g is not in %.9g to %.9g", depth, first, end_of(frame));
+  uint32_t c = 0;
+  while (c + 1 < frame->cascade_count && depth > frame->cascades[c].info.far_depth)
+    ++c;
+  const plan_cascade *cascade = &frame->cascades[c];
+  const double border = (double)plan_filter_radius_texels(config) / cascade->resolution;
+  double at[3];
+  transform_point(cascade->info.world_to_shadow, p, at);
+  for (int axis = 0; axis < 2; ++axis)
+    if (!(at[axis] >= border && at[axis] <= 1.0 - border))
+      fail_msg("cascade %u, depth %g: %.9g outside of its map", c, depth, at[axis]);
+}
+
+/* So does every surface of a picture before the end of shadows. */
 static void check_covered(const csm_config *config, const plan_frame *frame, const picture *now) {
   const plan_frame unfitted = plan_with(config, &now->camera, NULL, NULL);
-  const double end = end_of(&unfitted);
   for (int row = 0; row < height; ++row)
     for (int column = 0; column < width; ++column) {
-      const double depth = now->depths[row][column], first = frame->cascades[0].info.near_depth;
-      if (!(depth > -INFINITY) || depth > end)
+      const double depth = now->depths[row][column];
+      double clip[2], p[3];
+      if (!(depth > -INFINITY) || depth > end_of(&unfitted))
         continue;
-      const double rounding = 1e-9 * fabs(depth);
-      if (!(depth >= first - rounding && depth <= end_of(frame) + rounding))
-        fail_msg("%.9g is not in %.9g to %.9g", depth, first, end_of(frame));
-      uint32_t c = 0;
-      while (c + 1 < frame->cascade_count && depth > frame->cascades[c].info.far_depth)
-        ++c;
-      const plan_cascade *cascade = &frame->cascades[c];
-      double clip[2], p[3], at[3];
       pixel_clip(column, row, clip);
       camera_point(&now->camera, clip[0], clip[1], depth, p);
-      transform_point(cascade->info.world_to_shadow, p, at);
-      const double border = (double)plan_filter_radius_texels(config) / cascade->resolution;
-      for (int axis = 0; axis < 2; ++axis)
-        if (!(at[axis] >= border && at[axis] <= 1.0 - border))
-          fail_msg("cascade %u, depth %g: %.9g outside of its map", c, depth, at[axis]);
+      check_point(config, frame, p, depth);
     }
 }
 
@@ -307,6 +312,12 @@ static void a_cut_is_not_fitted(void **state) {
     camera_look(&cut, (double[]){0.0, 0.0, 1.0}, 0.0); /* back */
     assert_unfitted(&config, &cut, &seen);
     cut = camera;
+    for (int k = 0; k < 3; ++k) { /* to the ground, which turns no side */
+      cut.forward[k] = (double[]){0.0, -0.8, -0.6}[k];
+      cut.up[k] = (double[]){0.0, 0.6, -0.8}[k];
+    }
+    assert_unfitted(&config, &cut, &seen);
+    cut = camera;
     for (int k = 0; k < 3; ++k) { /* on its head */
       cut.right[k] = -cut.right[k];
       cut.up[k] = -cut.up[k];
@@ -381,6 +392,80 @@ static void a_moving_camera_has_what_it_sees_now(void **state) {
   }
 }
 
+/* Looking around: at each frame a strip comes into the picture that nothing is known of, a tenth of it at most, at the
+ * same depths. */
+static void the_margin_holds_what_comes_into_the_picture(void **state) {
+  (void)state;
+  random_state random = {4};
+  csm_config config = sampled_config(CSM_SAMPLES_BOUNDS);
+  config.split_mode = CSM_SPLIT_MANUAL; /* whatever depth it has */
+  for (int c = 0; c < 4; ++c)
+    config.split_distances[c] = (double[]){5.0, 15.0, 50.0, 1000.0}[c];
+  for (int i = 0; i < 200; ++i) {
+    const test_camera plain = plain_camera();
+    test_camera base = plain;
+    const double around = i % 2 ? M_PI : 0.0; /* so that the light comes from either side */
+    yaw(base.right, plain.right, around);
+    yaw(base.forward, plain.forward, around);
+    for (int axis = 0; axis < 3; ++axis)
+      base.eye[axis] = random_between(&random, -1.0, 1.0);
+    for (int side = -1; side <= 1; side += 2) {
+      test_camera turned = base;
+      picture seen, now;
+      yaw(turned.right, base.right, side * 0.09);
+      yaw(turned.up, base.up, side * 0.09);
+      yaw(turned.forward, base.forward, side * 0.09);
+      take(&seen, &base, ground);
+      take(&now, &turned, ground);
+      const plan_frame frame = plan_with(&config, &turned, &seen, NULL);
+      assert_true(frame.history.has_bounds[2] || frame.history.has_bounds[3]);
+      check_covered(&config, &frame, &now);
+    }
+  }
+}
+
+/* Far moves, without any margin: every surface that was seen then lies in a slice and its map, if it is seen now. */
+static void what_was_seen_is_found_again_after_a_move(void **state) {
+  (void)state;
+  random_state random = {5};
+  uint32_t found = 0;
+  for (int i = 0; i < 600; ++i) {
+    csm_config config = sampled_config(CSM_SAMPLES_BOUNDS);
+    config.sample_margin = 0.0;
+    const test_camera base = standing_somewhere(&random);
+    test_camera moved = base;
+    const double angle = random_between(&random, -0.2, 0.2);
+    yaw(moved.right, base.right, angle);
+    yaw(moved.up, base.up, angle);
+    yaw(moved.forward, base.forward, angle);
+    for (int axis = 0; axis < 3; axis += 2)
+      moved.eye[axis] += random_between(&random, -4.0, 4.0);
+    picture seen;
+    take(&seen, &base, ground_and_wall);
+    const plan_frame frame = plan_with(&config, &moved, &seen, NULL);
+    if (!frame.history.has_samples)
+      continue;
+    for (int row = 0; row < height; ++row)
+      for (int column = 0; column < width; ++column) {
+        double clip[2], p[3], depth = 0.0, across = 0.0, above = 0.0;
+        if (!(seen.depths[row][column] > -INFINITY))
+          continue;
+        pixel_clip(column, row, clip);
+        camera_point(&base, clip[0], clip[1], seen.depths[row][column], p);
+        for (int k = 0; k < 3; ++k) {
+          depth += moved.forward[k] * (p[k] - moved.eye[k]);
+          across += moved.right[k] * (p[k] - moved.eye[k]);
+          above += moved.up[k] * (p[k] - moved.eye[k]);
+        }
+        if (depth > moved.near && fabs(across) < depth * moved.half_width && fabs(above) < depth * moved.half_height) {
+          check_point(&config, &frame, p, depth);
+          ++found;
+        }
+      }
+  }
+  assert_true(found > 100000);
+}
+
 static void sizes_stay_while_a_camera_sways(void **state) {
   (void)state;
   random_state random = {3};
@@ -445,6 +530,8 @@ int main(void) {
       cmocka_unit_test(where_nothing_was_seen_nothing_is_fitted),
       cmocka_unit_test(a_cut_is_not_fitted),
       cmocka_unit_test(a_moving_camera_has_what_it_sees_now),
+      cmocka_unit_test(the_margin_holds_what_comes_into_the_picture),
+      cmocka_unit_test(what_was_seen_is_found_again_after_a_move),
       cmocka_unit_test(sizes_stay_while_a_camera_sways),
       cmocka_unit_test(sizes_follow_what_is_seen),
   };
