@@ -159,7 +159,9 @@ csm_float3 vector(const float v[3]) {
 using namespace shader;
 
 void sampler_bind(const float *constants, const float *depths, uint32_t width, uint32_t height, uint32_t layers) {
-  static csm_float4 block[CSM_C_COUNT];
+  // One more than there are: with 31 taps csm_tap_weight looks there for a tap that is none, and must not use it.
+  static csm_float4 block[CSM_C_COUNT + 1];
+  block[CSM_C_COUNT] = csm_float4(NAN, NAN, NAN, NAN);
   for (int i = 0; i < CSM_C_COUNT; ++i)
     block[i] = csm_float4(constants[i * 4], constants[i * 4 + 1], constants[i * 4 + 2], constants[i * 4 + 3]);
   shader::bound = {block, depths, float(width), float(height), float(layers), false};
