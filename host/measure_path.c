@@ -1,6 +1,7 @@
 #include "measure_path.h"
 #include "camera_json.h"
 #include "host.h"
+#include "sun_path.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -51,15 +52,20 @@ int measure_path_load(measure_path *out, const host_options *options, const host
     code = json_list_load(&cameras, "--camera-path", options->camera_path);
   if (code == 0 && options->camera_path)
     code = load_cameras(out, &cameras, setup);
-  if (code == 0 && options->light_path)
+  uint32_t light_count = 0;
+  if (code == 0 && options->light_path && sun_path_is(options->light_path)) {
+    code = sun_path_load(&out->lights, &light_count, options->light_path, setup->light.disc_deg);
+  } else if (code == 0 && options->light_path) {
     code = json_list_load(&lights, "--light-path", options->light_path);
-  if (code == 0 && options->light_path)
-    code = load_lights(out, &lights);
-  if (code == 0 && cameras.count && lights.count && cameras.count != lights.count)
-    code = host_fail(HOST_BAD_INPUT, "--light-path: %zu lights, but --camera-path has %zu cameras", lights.count,
+    light_count = (uint32_t)lights.count;
+    if (code == 0)
+      code = load_lights(out, &lights);
+  }
+  if (code == 0 && cameras.count && light_count && cameras.count != light_count)
+    code = host_fail(HOST_BAD_INPUT, "--light-path: %u lights, but --camera-path has %zu cameras", light_count,
                      cameras.count);
   if (code == 0) {
-    out->count = (uint32_t)(cameras.count ? cameras.count : lights.count);
+    out->count = cameras.count ? (uint32_t)cameras.count : light_count;
     fill_in(out, setup);
   }
   json_list_free(&cameras);

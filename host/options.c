@@ -40,7 +40,7 @@ static const char help[] =
     "  --cache DIR                 measure, report: where truths are kept; $XDG_CACHE_HOME/csm or ~/.cache/csm\n"
     "  --camera-path FILE          measure: a JSON list of cameras, each as --camera takes them (text, or an object\n"
     "                              like frame.json's), drawn one after the other\n"
-    "  --light-path FILE           measure: likewise, of lights\n"
+    "  --light-path FILE|day:N     measure: likewise, of lights; N of a day and a night\n"
     "  --sun-samples N             measure, report: rays to a soft sun for each pixel, 4 to 4096; 256\n"
     "  --quick                     bench, report: 5 pairs instead of 31; report: 1, 2 and 4 maps of 512 to 2048\n"
     "  --cascades LIST             report: numbers of maps; 1,2,3,4,5,6,7,8\n"
