@@ -1,5 +1,6 @@
 #include "report_sweep.h"
 #include "compare.h"
+#include "config_json.h"
 #include "host.h"
 #include <inttypes.h>
 #include <math.h>
@@ -46,6 +47,23 @@ void report_sweep_make(report_sweep *out, const host_options *options, const csm
     }
   if (!has_base)
     add_shape(out, base, base->cascade_count, base->resolution);
+}
+
+int report_sweep_make_presets(report_sweep *out, const host_options *options, const host_setup *setup) {
+  const char *base = options_base_name(options);
+  *out = (report_sweep){.per_shape = 1, .count = 1};
+  out->points = host_allocate(options->preset_count + 1, sizeof *out->points);
+  out->points[0].config = setup->config;
+  out->points[0].name = base;
+  int code = 0;
+  for (uint32_t i = 0; code == 0 && i < options->preset_count; i++) {
+    if (strcmp(options->presets[i], base) == 0)
+      continue;
+    report_point *point = &out->points[out->count++];
+    point->name = options->presets[i];
+    code = config_load(&point->config, point->name, NULL, setup->shadow_distance);
+  }
+  return code;
 }
 
 void report_sweep_free(report_sweep *sweep) {

@@ -232,17 +232,17 @@ static void configurations_are_read(void **state) {
   csm_config config, standard = {.struct_size = sizeof standard};
   csm_config_default(&standard);
   make_path(path, ".json");
-  assert_int_equal(config_load(&config, NULL, 77.0), 0);
+  assert_int_equal(config_load(&config, NULL, NULL, 77.0), 0);
   assert_true(config.shadow_distance == 77.0 && config.cascade_count == standard.cascade_count);
   write_text(path,
              "{\"cascade_count\": 3.0, \"filter\": \"pcf_2x2\", \"split_lambda\": 1, \"split_distances\": [1, 2.5]}");
-  assert_int_equal(config_load(&config, path, 77.0), 0);
+  assert_int_equal(config_load(&config, NULL, path, 77.0), 0);
   assert_int_equal(config.cascade_count, 3);
   assert_int_equal(config.filter, CSM_FILTER_PCF_2X2);
   assert_true(config.split_lambda == 1.0 && config.split_distances[1] == 2.5 && config.split_distances[2] == 0.0);
   assert_true(config.shadow_distance == 77.0);
   write_text(path, "{\"shadow_distance\": 12}");
-  assert_int_equal(config_load(&config, path, 77.0), 0);
+  assert_int_equal(config_load(&config, NULL, path, 77.0), 0);
   assert_true(config.shadow_distance == 12.0);
   const char *const bad[] = {"{\"nope\": 1}",
                              "{\"cascade_count\": \"3\"}",
@@ -255,7 +255,7 @@ static void configurations_are_read(void **state) {
                              "{\"cascade_count\": -1}"};
   for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
     write_text(path, bad[i]);
-    assert_int_equal(config_load(&config, path, 77.0), 2);
+    assert_int_equal(config_load(&config, NULL, path, 77.0), 2);
   }
   unlink(path);
 }

@@ -1,7 +1,9 @@
 #include "view.h"
 #include "compare.h"
+#include "config_json.h"
 #include "host.h"
 #include "picture.h"
+#include "presets.h"
 #include "stage.h"
 #include "view_camera.h"
 #include "view_surfaces.h"
@@ -37,6 +39,7 @@ typedef struct view {
   trace_surface *surfaces; /* that are shown */
   bool colored;            /* those were cast by rays; else they come from the depth */
   bool tint, maps;
+  uint32_t preset; /* that P takes next */
   bool redraw, repaint;
   bool by_itself;  /* --frames */
   bool differs;    /* a swap has changed the mask */
@@ -148,6 +151,16 @@ static void next_resolution(view *v) {
   configure(v, &wanted);
 }
 
+static void next_preset(view *v) {
+  csm_config wanted;
+  const char *name = preset_name(v->preset);
+  if (config_load(&wanted, name, NULL, v->setup.shadow_distance))
+    return;
+  printf("preset %s\n", name);
+  configure(v, &wanted);
+  v->preset = preset_name(v->preset + 1) ? v->preset + 1 : 0;
+}
+
 static void set_cascades(view *v, uint32_t count) {
   csm_config wanted = v->setup.config;
   wanted.cascade_count = count;
@@ -201,7 +214,7 @@ static int press(view *v, char key) {
     next_resolution(v);
     break;
   case 'P':
-    puts("there are no presets in this version");
+    next_preset(v);
     break;
   case 'H':
     fputs(help, stdout);
@@ -323,7 +336,7 @@ static int open_view(view *v, host_options *options) {
   int code = setup_load(&v->setup, options);
   if (code)
     return code;
-  if (!options->config_file)
+  if (!options->config_file && !options->preset)
     v->setup.config.resolution = 1024; /* like the size above: what a CPU draws fluently; keys change it */
   const uint32_t scale = v->setup.width <= 960 && v->setup.height <= 540 ? 2 : 1;
   code = view_window_open(&v->window, scale * v->setup.width, scale * v->setup.height);
