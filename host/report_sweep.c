@@ -2,6 +2,7 @@
 #include "compare.h"
 #include "config_json.h"
 #include "host.h"
+#include "plan/plan.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -19,25 +20,45 @@ static uint32_t count_values(const char *name) {
   return count;
 }
 
-static void add_shape(report_sweep *out, const csm_config *base, uint32_t cascades, uint32_t resolution) {
+static uint32_t count_ways(void) {
+  return count_values("filter") * count_values("bias_mode");
+}
+
+/* The base with another filter and bias mode. False where they contradict each other, or what else the base says. */
+static bool change_way(csm_config *out, const csm_config *base, uint32_t way) {
   const uint32_t bias_modes = count_values("bias_mode");
-  for (uint32_t i = 0; i < out->per_shape; i++) {
-    csm_config *config = &out->points[out->count].config;
-    *config = *base;
-    config->cascade_count = cascades;
-    config->resolution = resolution;
-    config->filter = i / bias_modes;
-    config->bias_mode = i % bias_modes;
-    if (memcmp(config, base, sizeof *base) == 0)
+  const char *error;
+  *out = *base;
+  out->filter = way / bias_modes;
+  out->bias_mode = way % bias_modes;
+  return plan_config_check(out, &error) == CSM_SUCCESS;
+}
+
+static uint32_t count_sound_ways(const csm_config *base) {
+  csm_config unused;
+  uint32_t count = 0;
+  for (uint32_t way = 0; way < count_ways(); way++)
+    count += change_way(&unused, base, way);
+  return count;
+}
+
+static void add_shape(report_sweep *out, const csm_config *base, uint32_t cascades, uint32_t resolution) {
+  for (uint32_t way = 0; way < count_ways(); way++) {
+    csm_config config;
+    if (!change_way(&config, base, way))
+      continue;
+    config.cascade_count = cascades;
+    config.resolution = resolution;
+    if (memcmp(&config, base, sizeof *base) == 0)
       out->base = out->count;
-    out->count++;
+    out->points[out->count++].config = config;
   }
 }
 
 void report_sweep_make(report_sweep *out, const host_options *options, const csm_config *base) {
   const uint32_t shapes = options->cascades.count * options->resolutions.count + 1;
   bool has_base = false;
-  *out = (report_sweep){.per_shape = count_values("filter") * count_values("bias_mode")};
+  *out = (report_sweep){.per_shape = count_sound_ways(base)};
   out->points = host_allocate((size_t)shapes * out->per_shape, sizeof *out->points);
   for (uint32_t c = 0; c < options->cascades.count; c++)
     for (uint32_t r = 0; r < options->resolutions.count; r++) {

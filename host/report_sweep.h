@@ -38,8 +38,8 @@ typedef struct report_sweep {
 } report_sweep;
 
 /*
- * Every combination of the options' cascade counts and resolutions with every filter and bias mode there is; the rest,
- * and one more shape if it is not among them, is `base`'s.
+ * Every combination of the options' cascade counts and resolutions with every filter and bias mode that go together;
+ * the rest, and one more shape if it is not among them, is `base`'s.
  */
 void report_sweep_make(report_sweep *out, const host_options *options, const csm_config *base);
 /*
