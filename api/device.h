@@ -48,7 +48,7 @@ typedef struct caster_programs {
   struct caster_programs *next;
   uint32_t users;
   pass_casters casters;
-  gpu_program *programs[3][DEVICE_MAX_SHAPES]; /* by gpu_cull; NULL where none is needed */
+  gpu_program *programs[3][DEVICE_MAX_SHAPES]; /* by gpu_cull */
 } caster_programs;
 
 /* An opacity texture, by slot of the context. */

@@ -1,5 +1,6 @@
 #include "stage.h"
 #include "host.h"
+#include "mesh_closed.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -46,8 +47,9 @@ static void describe_device(stage *s, const char *asked) {
 }
 
 /* `opacity`: of its material, or 0. */
-static csm_mesh_info describe_mesh(const scene *from, const scene_mesh *mesh, csm_opacity opacity) {
+static csm_mesh_info describe_mesh(const scene *from, const scene_mesh *mesh, csm_opacity opacity, bool closed) {
   csm_mesh_info info = {.struct_size = sizeof info,
+                        .flags = closed ? CSM_MESH_CLOSED : 0,
                         .positions = mesh->positions,
                         .vertex_count = mesh->vertex_count,
                         .indices = mesh->indices,
@@ -56,6 +58,7 @@ static csm_mesh_info describe_mesh(const scene *from, const scene_mesh *mesh, cs
                         .name = mesh->name};
   const scene_opacity *cut = scene_cut_out(from, mesh);
   if (cut) {
+    info.flags = CSM_MESH_TWO_SIDED; /* leaves are */
     info.opacity = opacity;
     info.uvs = mesh->uvs;
     info.alpha_cutoff = (float)fmin(cut->cutoff / cut->factor, 1.0);
@@ -68,8 +71,8 @@ static csm_result CSM_CALL supply_mesh(void *user, csm_mesh mesh, csm_mesh_info 
   const stage *s = user;
   for (size_t m = 0; m < s->setup->scene.mesh_count; m++)
     if (s->meshes[m] == mesh) {
-      *info =
-          describe_mesh(&s->setup->scene, &s->setup->scene.meshes[m], s->opacities[s->setup->scene.meshes[m].material]);
+      const scene_mesh *from = &s->setup->scene.meshes[m];
+      *info = describe_mesh(&s->setup->scene, from, s->opacities[from->material], s->closed[m]);
       return CSM_SUCCESS;
     }
   return CSM_ERROR_INVALID_HANDLE;
@@ -94,6 +97,7 @@ void stage_close(stage *s) {
   csm_destroy(s->context);
   free(s->meshes);
   free(s->opacities);
+  free(s->closed);
   free(s->instances);
   *s = (stage){0};
 }
@@ -121,13 +125,15 @@ static int upload_meshes(stage *s, const scene *from) {
   int code = 0;
   s->meshes = host_allocate(from->mesh_count, sizeof *s->meshes);
   s->opacities = host_allocate(from->material_count, sizeof *s->opacities);
+  s->closed = host_allocate(from->mesh_count, sizeof *s->closed);
   for (size_t m = 0; m < from->mesh_count && code == 0; m++) {
     const scene_mesh *mesh = &from->meshes[m];
     const scene_opacity *cut = scene_cut_out(from, mesh);
     csm_opacity *opacity = &s->opacities[mesh->material];
     if (cut && !*opacity)
       code = exit_code(upload_opacity(s, cut, opacity));
-    const csm_mesh_info info = describe_mesh(from, mesh, *opacity);
+    s->closed[m] = mesh_is_closed(mesh);
+    const csm_mesh_info info = describe_mesh(from, mesh, *opacity, s->closed[m]);
     if (code == 0)
       code = exit_code(csm_mesh_create(s->context, &info, &s->meshes[m]));
   }

@@ -13,6 +13,7 @@ typedef struct stage {
   csm_cascades *cascades;
   csm_mesh *meshes;
   csm_opacity *opacities; /* by material; 0: opaque */
+  bool *closed;           /* by mesh: mesh_is_closed */
   csm_instance *instances;
   csm_frame frame;
 } stage;

@@ -19,10 +19,10 @@ typedef struct pass_mesh {
   gpu_buffer *vertices, *indices;
   uint64_t vertex_offset, index_offset;
   uint32_t index_count, index_size;
-  uint32_t programs;     /* index of the programs for its shape */
-  bool two_sided;        /* no face of it is culled */
-  uint64_t uv_offset;    /* in the vertices' buffer; read only with an opacity */
-  gpu_bindings *opacity; /* of an alpha-tested mesh, else NULL */
+  uint32_t programs;      /* index of the programs for its shape */
+  bool two_sided, closed; /* no face of it is culled; its back faces need not be drawn */
+  uint64_t uv_offset;     /* in the vertices' buffer; read only with an opacity */
+  gpu_bindings *opacity;  /* of an alpha-tested mesh, else NULL */
 } pass_mesh;
 
 /* What programs that draw a mesh depend on. */

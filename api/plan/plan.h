@@ -88,7 +88,7 @@ typedef struct plan_draw {
   uint32_t mesh;
   uint32_t first; /* index into the list's matrices */
   uint32_t count;
-  uint32_t mirrored; /* all of them; 0 where no faces are culled */
+  uint32_t mirrored; /* all of them; 0 in a camera's list */
 } plan_draw;
 
 /* What one cascade, or the camera, draws. */

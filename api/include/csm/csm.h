@@ -188,7 +188,13 @@ CSM_API csm_result CSM_CALL csm_opacity_create(csm_context *context, const csm_o
  */
 CSM_API csm_result CSM_CALL csm_opacity_destroy(csm_context *context, csm_opacity opacity);
 
-enum { CSM_MESH_TWO_SIDED = 1u << 0 /* casts from both sides, whatever csm_config.cull_mode says: leaves, cloth */ };
+enum {
+  CSM_MESH_TWO_SIDED = 1u << 0, /* casts from both sides, whatever csm_config.cull_mode says: leaves, cloth */
+  /* It has an inside: every edge joins two faces, counter-clockwise seen from outside. The faces turned away from the
+     light are then behind others, and are not drawn with cull_mode none: the maps are the same, and cost less. */
+  CSM_MESH_CLOSED = 1u << 1
+};
+enum { CSM_CASTERS_MAP = 0, CSM_CASTERS_VIEW = 1 };
 
 struct csm_mesh_info {
   uint32_t struct_size;
@@ -321,6 +327,8 @@ typedef struct csm_config {
   uint32_t map_format;          /* CSM_MAP_* */
   uint32_t map_reversed;        /* 1: depth 1 is nearest to the light */
   uint32_t resolutions[CSM_MAX_CASCADES]; /* of single cascades; 0: `resolution` */
+  uint32_t caster_culling;                /* CSM_CASTERS_*: what is drawn into a map */
+  uint32_t reserved;                      /* 0 */
   double split_near;                      /* view depth in metres from which splits are spread; 0: the near plane */
   double filter_radius_texels;            /* POISSON, VOGEL: of their disc */
   double light_step_texels;    /* the light that maps are drawn with moves in steps: a step shifts what lies a map's
