@@ -126,7 +126,7 @@ static void draw_table(void) {
          "masks are without shadows\n",
          (unsigned long)count, seconds() - begin, (double)worst.difference, worst.worst_case, worst.pixels,
          worst.without_shadows);
-  assert_true(worst.without_shadows * 4 < count);
+  assert_true(random_cases || worst.without_shadows * 4 < count);
   side_close(&drawers[0].side);
   side_close(&drawers[1].side);
 }

@@ -71,7 +71,7 @@ void telling_make(telling *scene, csm_context *context) {
 csm_frame telling_frame(const telling *scene, uint32_t camera, uint32_t step, double aspect) {
   static const double eyes[TELLING_CAMERAS][3] = {{-4, 5, 12}, {12, 3, 6}, {-2, 18, -2}};
   static const double targets[TELLING_CAMERAS][3] = {{0, 0, -4}, {-2, 1, -4}, {1, 0, -12}};
-  static const double suns[TELLING_CAMERAS][3] = {{0.4, -1, 0.25}, {-0.9, -0.6, -0.3}, {0.1, -1, -0.7}};
+  static const double suns[TELLING_CAMERAS][3] = {{0.4, -1, 0.25}, {0.8, -0.7, 0.4}, {0.1, -1, -0.7}};
   csm_frame frame = {.struct_size = sizeof frame, .instances = scene->instances, .instance_count = TELLING_INSTANCES};
   const uint32_t i = camera % TELLING_CAMERAS;
   double eye[3], target[3];
