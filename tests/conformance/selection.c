@@ -113,6 +113,8 @@ static void blends_go_over_at_both_ends(void **state) {
   open_fixture(&f);
   csm_config config = base_config();
   config.blend_share = 0.5;
+  config.split_mode = CSM_SPLIT_UNIFORM;
+  config.resolution = 64;
   config.fit_mode = CSM_FIT_CENTROID_SPHERE;
   csm_binding binding;
   float *depths = depths_of(&f, &config, &binding), *masks[3];
@@ -244,7 +246,10 @@ static void casters_before_the_near_plane_are_clamped_or_clipped(void **state) {
   close_fixture(&f);
 }
 
-/* A unit of 16 bits is 2^-16; the bias pushes casters away from the light, whichever way depth runs. */
+/*
+ * The bias pushes casters away from the light, whichever way depth runs. What a unit of 16 bits is, the driver says:
+ * 2^-16 by D3D12, up to twice that by Vulkan, which is what lavapipe takes, for vkd3d too.
+ */
 static void the_rasterisers_bias_moves_depth(void **state) {
   (void)state;
   fixture f;
@@ -261,9 +266,9 @@ static void the_rasterisers_bias_moves_depth(void **state) {
     for (int units = -200; units <= 200; units += 100) {
       config.bias_raster_constant = units;
       covered(&f, &config, &ground, &moved);
-      const double away = reversed ? plain - moved : moved - plain;
-      if (fabs(away * 65536 - units) > 1.1)
-        fail_msg("reversed %u: %d units move depth by %g", reversed, units, away * 65536);
+      const double away = (reversed ? plain - moved : moved - plain) * 65536;
+      if (fabs(away - units) > 1.1 && fabs(away - 2 * units) > 1.1)
+        fail_msg("reversed %u: %d units move depth by %g", reversed, units, away);
     }
     config.bias_raster_constant = 200;
     config.bias_raster_clamp = 0.001;
@@ -275,6 +280,15 @@ static void the_rasterisers_bias_moves_depth(void **state) {
 }
 
 /* ---- filters that turn ---- */
+
+/* Whether a pixel and all that its normal is taken from lie on one level. */
+static bool level(const float *depths, int x, int y) {
+  const float *at = &depths[y * width + x];
+  for (int i = -2; i <= 2; ++i)
+    if (fabsf(at[i] - *at) > 1e-6f || fabsf(at[i * width] - *at) > 1e-6f)
+      return false;
+  return true;
+}
 
 /* A camera that moves by just a pixel sees the same points again: what a disc's points are turned by belongs to them.
  */
@@ -298,15 +312,20 @@ static void patterns_do_not_swim(void **state) {
     config.shadow_distance = 64;
     config.filter_taps = 12;
     config.filter_radius_texels = 4;
-    float *masks[2];
+    float *masks[2], *depths[2];
     for (int step = 0; step < 2; ++step) {
       frame->view[12] = -step * 0.125;
       frame->view[14] = -40; /* from 40 m above, so that nothing but the mast is cut */
-      masks[step] = mask_of(&f, &config);
+      begin(&f, &config);
+      masks[step] = support_read(f.cascades, CSM_READ_MASK, 0, width, height);
+      depths[step] = support_read(f.cascades, CSM_READ_CAMERA_DEPTH, 0, width, height);
+      end(&f);
     }
     uint32_t differ = 0, between = 0;
-    for (int y = 0; y < height; ++y)
-      for (int x = 2; x < width - 2; ++x) {
+    for (int y = 2; y < height - 2; ++y)
+      for (int x = 3; x < width - 3; ++x) {
+        if (!level(depths[0], x, y) || !level(depths[1], x - 1, y))
+          continue;
         const float a = masks[0][y * width + x], b = masks[1][y * width + x - 1];
         differ += fabsf(a - b) > 1.0f / 255 + 1e-6f;
         between += a > 0 && a < 1;
@@ -314,8 +333,10 @@ static void patterns_do_not_swim(void **state) {
     printf("filter %u: %u of %d pixels swim, %u are between light and shadow\n", filter, differ, pixels, between);
     assert_true(between > pixels / 50);
     assert_true(differ <= pixels / 10000);
-    free(masks[0]);
-    free(masks[1]);
+    for (int step = 0; step < 2; ++step) {
+      free(masks[step]);
+      free(depths[step]);
+    }
   }
   close_fixture(&f);
 }
@@ -334,15 +355,13 @@ static void samples_settle_and_cost_nothing(void **state) {
     csm_binding first = {.struct_size = sizeof first}, last = {.struct_size = sizeof last};
     assert_int_equal(csm_bind(f.cascades, &first), CSM_SUCCESS);
     float *before = NULL;
-    uint64_t allocations = 0;
     for (int i = 0; i < 8; ++i) {
+      const uint64_t allocations = f.record.allocations;
       render(&f);
+      assert_true(i < 4 || f.record.allocations == allocations);
       float *mask = support_read(f.cascades, CSM_READ_MASK, 0, width, height);
-      if (i > 4) {
+      if (i > 4)
         assert_memory_equal(mask, before, pixels * sizeof *mask);
-        assert_int_equal(f.record.allocations, allocations);
-      }
-      allocations = f.record.allocations;
       free(before);
       before = mask;
     }
