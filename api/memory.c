@@ -40,6 +40,7 @@ static uint64_t budget(device *device) {
 /* Drivers may accept more than they say that they can hold (lavapipe does), so limits are asked first. */
 static csm_result check_memory(device *device, const char *name, uint64_t size, uint64_t largest) {
   csm_context *context = device->context;
+  retire_collect(device); /* who makes and frees without drawing would else hold all that until a frame */
   const uint64_t limit = device->memory_limit ? device->memory_limit : device->info.memory_size;
   const uint64_t available = budget(device);
   if (size > largest)

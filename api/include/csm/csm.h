@@ -492,8 +492,8 @@ typedef struct csm_binding {
   uint64_t native_mask;      /* likewise, the mask; 0 before the first csm_resolve_mask */
   uint64_t native_maps_view; /* Vulkan: VkImageView, 2D array, depth; D3D12: 0 */
   uint64_t native_mask_view; /* Vulkan: VkImageView, 2D; D3D12: 0 */
-  uint64_t native_sampler;  /* Vulkan: VkSampler for csm_compare: linear, clamped, less or equal; D3D12: 0, use a static
-                               sampler like that */
+  uint64_t native_sampler;  /* Vulkan: VkSampler that compares: linear, clamped, less or equal, or with map_reversed
+                               greater or equal; D3D12: 0 */
   uint64_t maps_descriptor; /* in, D3D12: D3D12_CPU_DESCRIPTOR_HANDLE.ptr that gets a view of the maps; or 0 */
   uint64_t mask_descriptor; /* in, D3D12: likewise of the mask, if there is one */
   uint32_t resolutions[CSM_MAX_CASCADES]; /* of each cascade's map, texels a side */
