@@ -76,8 +76,7 @@ static void open_side(side *side, const char *backend) {
   side->meshes[1] = support_box(side->context, 2);
 }
 
-static void draw(side *side, const random_scene *scene) {
-  csm_instance instances[boxes + 1];
+static csm_frame place(const side *side, const random_scene *scene, csm_instance instances[boxes + 1]) {
   csm_frame frame = scene->frame;
   for (uint32_t i = 0; i <= boxes; ++i) {
     instances[i] = support_instance(side->meshes[scene->shape[i]], 0, 0, 0, 1, 1, 1);
@@ -85,9 +84,21 @@ static void draw(side *side, const random_scene *scene) {
   }
   frame.instances = instances;
   frame.instance_count = boxes + 1;
+  return frame;
+}
+
+static void draw(side *side, const random_scene *scene) {
+  csm_instance instances[boxes + 1];
+  const csm_frame frame = place(side, scene, instances);
   assert_int_equal(csm_cascades_create(side->context, &scene->config, &side->cascades), CSM_SUCCESS);
   assert_int_equal(csm_render_cascades(side->cascades, &frame), CSM_SUCCESS);
-  const csm_mask_info mask = {.struct_size = sizeof mask, .frame = &frame, .width = width, .height = height};
+}
+
+static void resolve(side *side, const random_scene *scene, uint32_t view) {
+  csm_instance instances[boxes + 1];
+  const csm_frame frame = place(side, scene, instances);
+  const csm_mask_info mask = {
+      .struct_size = sizeof mask, .frame = &frame, .width = width, .height = height, .view = view};
   assert_int_equal(csm_resolve_mask(side->cascades, &mask), CSM_SUCCESS);
 }
 
@@ -133,12 +144,19 @@ static void backends_agree(void **state) {
     make_scene(&scene, seed);
     draw(&a, &scene);
     draw(&b, &scene);
+    resolve(&a, &scene, CSM_VIEW_SHADOW);
+    resolve(&b, &scene, CSM_VIEW_SHADOW);
     compare_plans(&a, &b);
     const uint32_t resolution = scene.config.resolution;
     for (uint32_t cascade = 0; cascade < scene.config.cascade_count; ++cascade)
       compare_images(&a, &b, CSM_READ_MAP, cascade, resolution, resolution, 0, 0);
     compare_images(&a, &b, CSM_READ_CAMERA_DEPTH, 0, width, height, 0, 0);
     compare_images(&a, &b, CSM_READ_MASK, 0, width, height, 1.0f / 255 + 1e-6f, width * height / 10000);
+    for (uint32_t view = CSM_VIEW_CASCADE; view <= CSM_VIEW_DENSITY; ++view) {
+      resolve(&a, &scene, view);
+      resolve(&b, &scene, view);
+      compare_images(&a, &b, CSM_READ_MASK, 0, width, height, 0, 0);
+    }
     assert_int_equal(csm_cascades_destroy(a.cascades), CSM_SUCCESS);
     assert_int_equal(csm_cascades_destroy(b.cascades), CSM_SUCCESS);
   }
