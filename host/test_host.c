@@ -534,7 +534,7 @@ static twin *make_twin(void) {
   for (int i = 0; i < 2; i++) {
     t->stages[i].setup = &t->setup;
     t->frames[i].binding.cascade_count = 1;
-    t->frames[i].binding.resolution = 16;
+    t->frames[i].binding.resolution = t->frames[i].binding.resolutions[0] = 16;
     t->frames[i].maps[0] = t->maps[i];
     t->frames[i].mask = t->masks[i];
     t->frames[i].camera_depth = t->depths[i];
