@@ -255,6 +255,26 @@ int stage_read(stage *s, bool maps, stage_frame *out) {
   return code;
 }
 
+int stage_read_views(stage *s, stage_frame *out) {
+  const size_t pixels = (size_t)s->setup->width * s->setup->height, instances = s->setup->scene.instance_count;
+  int code = 0;
+  s->frame.flags = 0;
+  for (uint32_t i = 0; i < STAGE_VIEWS && code == 0; i++) {
+    const csm_mask_info info = {.struct_size = sizeof info,
+                                .frame = &s->frame,
+                                .width = s->setup->width,
+                                .height = s->setup->height,
+                                .view = CSM_VIEW_CASCADE + i};
+    code = exit_code(csm_resolve_mask(s->cascades, &info));
+    if (code == 0)
+      code = read_back(s, CSM_READ_MASK, 0, pixels, &out->views[i]);
+  }
+  if (code)
+    return code;
+  out->casters = host_allocate(instances, sizeof *out->casters);
+  return exit_code(csm_get_casters(s->cascades, (uint32_t)instances, out->casters));
+}
+
 int stage_capture(stage *s, stage_frame *out) {
   csm_stats timed[TIMED_FRAMES];
   *out = (stage_frame){0};
@@ -300,6 +320,9 @@ void stage_frame_free(stage_frame *frame) {
     free(frame->maps[k]);
   free(frame->mask);
   free(frame->camera_depth);
+  for (uint32_t i = 0; i < STAGE_VIEWS; i++)
+    free(frame->views[i]);
+  free(frame->casters);
   memset(frame, 0, sizeof *frame);
 }
 

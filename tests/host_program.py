@@ -260,9 +260,15 @@ def check_written(folder, scene):
     numbers = json.loads(done.stdout)
     expect([b["name"] for b in numbers["backends"]] == backends, "backends in the JSON")
     expect(len(backends) < 2 or (numbers["agreement"]["agrees"] and "AGREE" in done.stderr), "agreement")
-    for name in ("lit", "mask", "cascades", "maps", "difference") if len(backends) == 2 else ("lit", "mask"):
+    names = ("lit", "mask", "cascades", "density", "maps", "frusta", "culled")
+    for name in (*names, "difference") if len(backends) == 2 else names:
         data = (folder / f"out/{name}.png").read_bytes()
-        expect(data[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack(">II", data[16:24]) >= (96, 54), f"{name}.png")
+        size = (3 * 134 - 6, 128) if name == "maps" else (96, 54)
+        expect(data[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack(">II", data[16:24]) == size, f"{name}.png")
+        expect(len(data) > 1000, f"{name}.png is blank") # a plain one takes less
+    if len(backends) == 2:
+        expect(numbers["agreement"]["views"] == {"agree": True, "cascade_differing": 0, "density_differing": 0,
+                                                 "casters_equal": True}, numbers["agreement"])
     frame = dump.Dump(folder / "dump" / backends[0])
     check_frame(frame.frame)
     check_maps(frame)

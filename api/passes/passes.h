@@ -107,8 +107,9 @@ enum { MASK_CASCADES_BLOCK = 1024, MASK_CAMERA_BLOCK = 256, MASK_BLOCKS = MASK_C
 typedef struct mask_kind {
   uint32_t filter; /* as in csm_config */
   bool normals;    /* the engine's */
+  bool view;       /* a debug view, which knows neither of these */
 } mask_kind;
-enum { MASK_KINDS = 20 };
+enum { MASK_FILTERS = 10, MASK_KINDS = 2 * MASK_FILTERS + 1 };
 
 csm_result mask_program(pass_gpu gpu, const mask_kind *kind, gpu_program **out);
 uint32_t mask_kind_index(const mask_kind *kind); /* below MASK_KINDS */
