@@ -56,7 +56,8 @@ static csm_result copy_out(device *device, const source *from, float *data) {
   if (!result)
     result = recording_begin(device, NULL);
   if (!result) {
-    device->gpu.api->copy_image(device->gpu.device, buffer, 0, row_bytes, from->image, from->layer);
+    const gpu_region whole = {.layer = from->layer, .width = from->width, .height = from->height};
+    device->gpu.api->copy_image(device->gpu.device, buffer, 0, row_bytes, from->image, &whole);
     result = recording_end(device);
   }
   if (!result)

@@ -99,6 +99,7 @@ static const gpu_backend backend = {
     .copy_to_image = d3d12_copy_to_image,
     .clear_depth = d3d12_clear_depth,
     .pass_begin = d3d12_pass_begin,
+    .pass_area = d3d12_pass_area,
     .pass_end = d3d12_pass_end,
     .pass_program = d3d12_pass_program,
     .pass_bind = d3d12_pass_bind,

@@ -4,6 +4,7 @@
  * it (use_device).
  */
 #include "d3d12.h"
+#include <string.h>
 #include <time.h>
 
 enum { WAIT_SECONDS = 2 }; /* how long a wait lasts before it asks whether the device is lost */
@@ -162,15 +163,18 @@ static HRESULT create_queries(gpu_device *device) {
 
 static HRESULT create_fill(gpu_device *device) {
   void *memory = NULL;
-  HRESULT hr = d3d12_commit_buffer(device->device, D3D12_HEAP_TYPE_UPLOAD, 2 * D3D12_FILL_SIZE, &device->fill);
+  HRESULT hr =
+      d3d12_commit_buffer(device->device, D3D12_HEAP_TYPE_UPLOAD, D3D12_FILL_PARTS * D3D12_FILL_SIZE, &device->fill);
   if (SUCCEEDED(hr))
     hr = ID3D12Resource_Map(device->fill, 0, NULL, &memory);
   if (FAILED(hr))
     return hr;
-  float *texels = memory;
-  const uint32_t count = D3D12_FILL_SIZE / sizeof *texels;
-  for (uint32_t i = 0; i < 2 * count; ++i)
-    texels[i] = i < count ? 0.0f : 1.0f;
+  unsigned char *bytes = memory;
+  float *ones = (float *)(bytes + D3D12_FILL_ONE_D32 * D3D12_FILL_SIZE);
+  memset(bytes + D3D12_FILL_ZERO * D3D12_FILL_SIZE, 0, D3D12_FILL_SIZE);
+  for (uint32_t i = 0; i < D3D12_FILL_SIZE / sizeof *ones; ++i)
+    ones[i] = 1;
+  memset(bytes + D3D12_FILL_ONE_D16 * D3D12_FILL_SIZE, 0xff, D3D12_FILL_SIZE);
   ID3D12Resource_Unmap(device->fill, 0, NULL);
   return S_OK;
 }

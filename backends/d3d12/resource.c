@@ -18,7 +18,7 @@ static HRESULT create_view_heap(gpu_device *device, D3D12_DESCRIPTOR_HEAP_TYPE t
 static HRESULT create_depth_view(gpu_device *device, gpu_image *image, uint32_t layer, uint32_t layer_count,
                                  ID3D12DescriptorHeap **out) {
   const D3D12_DEPTH_STENCIL_VIEW_DESC view = {
-      .Format = DXGI_FORMAT_D32_FLOAT,
+      .Format = d3d12_format(image->info.format),
       .ViewDimension = D3D12_DSV_DIMENSION_TEXTURE2DARRAY,
       .Texture2DArray = {.FirstArraySlice = layer, .ArraySize = layer_count},
   };
@@ -46,6 +46,8 @@ DXGI_FORMAT d3d12_format(gpu_format format) {
   switch (format) {
   case GPU_FORMAT_D32_FLOAT:
     return DXGI_FORMAT_D32_FLOAT;
+  case GPU_FORMAT_D16_UNORM:
+    return DXGI_FORMAT_D16_UNORM;
   case GPU_FORMAT_R8_UNORM:
     return DXGI_FORMAT_R8_UNORM;
   case GPU_FORMAT_RG32_FLOAT:
@@ -58,6 +60,28 @@ DXGI_FORMAT d3d12_format(gpu_format format) {
     break;
   }
   return DXGI_FORMAT_UNKNOWN;
+}
+
+DXGI_FORMAT d3d12_resource_format(gpu_format format) {
+  switch (format) {
+  case GPU_FORMAT_D32_FLOAT:
+    return DXGI_FORMAT_R32_TYPELESS;
+  case GPU_FORMAT_D16_UNORM:
+    return DXGI_FORMAT_R16_TYPELESS;
+  default:
+    return d3d12_format(format);
+  }
+}
+
+static DXGI_FORMAT view_format(gpu_format format) {
+  switch (format) {
+  case GPU_FORMAT_D32_FLOAT:
+    return DXGI_FORMAT_R32_FLOAT;
+  case GPU_FORMAT_D16_UNORM:
+    return DXGI_FORMAT_R16_UNORM;
+  default:
+    return d3d12_format(format);
+  }
 }
 
 /* The state that a buffer of each heap begins in; those of upload and readback heaps stay in it. */
@@ -136,7 +160,7 @@ void *d3d12_buffer_memory(gpu_buffer *buffer) {
 
 static HRESULT commit_image(gpu_device *device, gpu_image *image) {
   const gpu_image_info *info = &image->info;
-  const bool depth = info->format == GPU_FORMAT_D32_FLOAT;
+  const bool depth = gpu_format_is_depth(info->format);
   const D3D12_HEAP_PROPERTIES heap = {.Type = D3D12_HEAP_TYPE_DEFAULT};
   const D3D12_RESOURCE_DESC resource = {
       .Dimension = D3D12_RESOURCE_DIMENSION_TEXTURE2D,
@@ -144,7 +168,7 @@ static HRESULT commit_image(gpu_device *device, gpu_image *image) {
       .Height = info->height,
       .DepthOrArraySize = (UINT16)info->layers,
       .MipLevels = 1,
-      .Format = depth ? DXGI_FORMAT_R32_TYPELESS : d3d12_format(info->format),
+      .Format = d3d12_resource_format(info->format),
       .SampleDesc = {.Count = 1},
       .Flags = depth ? D3D12_RESOURCE_FLAG_ALLOW_DEPTH_STENCIL : D3D12_RESOURCE_FLAG_ALLOW_RENDER_TARGET,
   };
@@ -152,7 +176,7 @@ static HRESULT commit_image(gpu_device *device, gpu_image *image) {
      is used so, not when a descriptor reads it. */
   image->resource.state = depth ? D3D12_RESOURCE_STATE_DEPTH_WRITE : D3D12_RESOURCE_STATE_RENDER_TARGET;
   image->resource.rest = info->usage & GPU_IMAGE_SAMPLED ? D3D12_STATE_READABLE : image->resource.state;
-  image->view_format = depth ? DXGI_FORMAT_R32_FLOAT : resource.Format;
+  image->view_format = view_format(info->format);
   const D3D12_RESOURCE_ALLOCATION_INFO allocation =
       ID3D12Device_GetResourceAllocationInfo(device->device, 0, 1, &resource);
   image->bytes = allocation.SizeInBytes;
@@ -222,8 +246,8 @@ csm_result d3d12_target_create(gpu_device *device, const gpu_target_info *info, 
   const gpu_image_info *size = info->depth ? &info->depth->info : &info->color->info;
   target->depth = info->depth;
   target->color = info->color;
-  target->viewport = (D3D12_VIEWPORT){.Width = (float)size->width, .Height = (float)size->height, .MaxDepth = 1};
-  target->scissor = (D3D12_RECT){.right = (LONG)size->width, .bottom = (LONG)size->height};
+  target->width = size->width;
+  target->height = size->height;
   HRESULT hr = S_OK;
   if (info->depth)
     hr = create_depth_view(device, info->depth, info->depth_layer, 1, &target->depth_heap);

@@ -34,6 +34,7 @@ static const gpu_backend backend = {
     .copy_to_image = vulkan_copy_to_image,
     .clear_depth = vulkan_clear_depth,
     .pass_begin = vulkan_pass_begin,
+    .pass_area = vulkan_pass_area,
     .pass_end = vulkan_pass_end,
     .pass_program = vulkan_pass_program,
     .pass_bind = vulkan_pass_bind,

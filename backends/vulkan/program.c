@@ -8,7 +8,7 @@ enum { MAX_BINDINGS = GPU_MAX_CONSTANTS + GPU_MAX_TEXTURES + GPU_MAX_SAMPLERS };
 /* ---- samplers ---- */
 
 csm_result vulkan_samplers_create(gpu_device *device) {
-  const char *const names[VULKAN_SAMPLERS] = {"point", "linear", "compare"};
+  const char *const names[VULKAN_SAMPLERS] = {"point", "linear", "compare", "compare reversed"};
   for (uint32_t i = 0; i < VULKAN_SAMPLERS; i++) {
     const VkFilter filter = i == GPU_SAMPLER_POINT_CLAMP ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
     const VkSamplerCreateInfo info = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
@@ -18,8 +18,10 @@ csm_result vulkan_samplers_create(gpu_device *device) {
                                       .addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                                       .addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
                                       .addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
-                                      .compareEnable = i == GPU_SAMPLER_COMPARE_LESS_EQUAL,
-                                      .compareOp = VK_COMPARE_OP_LESS_OR_EQUAL};
+                                      .compareEnable = i >= GPU_SAMPLER_COMPARE_LESS_EQUAL,
+                                      .compareOp = i == GPU_SAMPLER_COMPARE_GREATER_EQUAL
+                                                       ? VK_COMPARE_OP_GREATER_OR_EQUAL
+                                                       : VK_COMPARE_OP_LESS_OR_EQUAL};
     const csm_result result =
         vulkan_made(device, device->vk.CreateSampler(device->handle, &info, NULL, &device->samplers[i]),
                     &device->samplers[i], "vkCreateSampler");
@@ -174,12 +176,17 @@ static csm_result pipeline_create(gpu_device *device, gpu_program *program, cons
       .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST};
   const VkPipelineViewportStateCreateInfo viewport = {
       .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO, .viewportCount = 1, .scissorCount = 1};
+  const gpu_raster_bias *bias = &info->raster_bias;
   const VkPipelineRasterizationStateCreateInfo raster = {.sType =
                                                              VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
                                                          .depthClampEnable = !info->depth_clip,
                                                          .polygonMode = VK_POLYGON_MODE_FILL,
                                                          .cullMode = cull_mode(info->cull),
                                                          .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
+                                                         .depthBiasEnable = bias->constant || bias->slope != 0,
+                                                         .depthBiasConstantFactor = (float)bias->constant,
+                                                         .depthBiasClamp = bias->clamp,
+                                                         .depthBiasSlopeFactor = bias->slope,
                                                          .lineWidth = 1};
   const VkPipelineMultisampleStateCreateInfo samples = {
       .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO, .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
@@ -220,6 +227,9 @@ static csm_result pipeline_create(gpu_device *device, gpu_program *program, cons
 
 csm_result vulkan_program_create(gpu_device *device, const gpu_program_info *info, gpu_program **out) {
   *out = NULL;
+  if (info->raster_bias.clamp != 0 && !device->bias_clamp)
+    return vulkan_fail(device, CSM_ERROR_UNSUPPORTED, "%s: the device clamps no bias: depthBiasClamp is not enabled",
+                       info->name);
   gpu_program *program = vulkan_allocate(device, sizeof *program);
   if (!program)
     return CSM_ERROR_OUT_OF_MEMORY;

@@ -286,6 +286,11 @@ static void free_objects(bench *b) {
 
 /* ---- drawing ---- */
 
+static void copy_picture(bench *b, uint32_t index) {
+  b->gpu.api->copy_image(b->gpu.device, b->readback, (uint64_t)index * PIXELS, WIDTH, b->pictures[index],
+                         &(gpu_region){.width = WIDTH, .height = HEIGHT});
+}
+
 static void record_forward(bench *b, uint32_t language) {
   const gpu_backend *api = b->gpu.api;
   if (!b->forward[language])
@@ -295,7 +300,7 @@ static void record_forward(bench *b, uint32_t language) {
   api->pass_bind(b->gpu.device, b->forward_bindings[language], (const uint32_t[]){AT_BLOCKS, AT_PLANE});
   api->pass_draw(b->gpu.device, &(gpu_draw){.count = 3, .instance_count = 1});
   api->pass_end(b->gpu.device);
-  api->copy_image(b->gpu.device, b->readback, (uint64_t)(1 + language) * PIXELS, WIDTH, b->pictures[1 + language], 0);
+  copy_picture(b, 1 + language);
 }
 
 static csm_result draw(bench *b, uint32_t filter) {
@@ -330,7 +335,7 @@ static csm_result draw(bench *b, uint32_t filter) {
                                    .bindings = b->mask_bindings,
                                    .target = b->picture_targets[0],
                                    .constants_offset = AT_BLOCKS});
-  api->copy_image(device, b->readback, 0, WIDTH, b->pictures[0], 0);
+  copy_picture(b, 0);
   for (uint32_t language = 0; language < LANGUAGES; ++language)
     record_forward(b, language);
   const csm_result ended = api->end(device);
