@@ -32,6 +32,23 @@ void test_d16(smoke *s) {
   CHECK(s, count_units(depth, 100) == SIZE * SIZE / 2 && count_units(depth, 101) == SIZE * SIZE / 2, "nearer by one");
 }
 
+/* What an engine is told that it draws into: numbers of VkFormat, or of DXGI_FORMAT. */
+void test_native(smoke *s) {
+  const bool vulkan = !strcmp(s->gpu->name, "vulkan");
+  const smoke_surface *surfaces[] = {&s->plain, &s->plain16};
+  const uint32_t formats[] = {vulkan ? 126 : 40, vulkan ? 124 : 55};
+  begin(s, 0);
+  for (uint32_t i = 0; i < 2; i++) {
+    gpu_native_pass native = {0};
+    s->gpu->clear_depth(s->device, surfaces[i]->image, 1);
+    s->gpu->pass_begin(s->device, surfaces[i]->target);
+    s->gpu->pass_native(s->device, &native);
+    s->gpu->pass_end(s->device);
+    CHECK(s, native.depth_format == formats[i], "format %u, not %u", native.depth_format, formats[i]);
+  }
+  end_and_wait(s, 0);
+}
+
 /* ---- clears ---- */
 
 /* All layers of an image that is larger than what is copied into it at once, where a clear is copies. */

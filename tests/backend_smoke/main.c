@@ -118,6 +118,7 @@ int main(int count, char **arguments) {
   test_bias(&s);
   test_areas(&s);
   test_d16(&s);
+  test_native(&s);
   test_clears(&s);
   test_compares(&s);
   test_pairs(&s);

@@ -106,6 +106,7 @@ void test_slope(smoke *s);
 void test_bias(smoke *s);
 void test_areas(smoke *s);
 void test_d16(smoke *s); /* formats.c */
+void test_native(smoke *s);
 void test_clears(smoke *s);
 void test_compares(smoke *s);
 void test_pairs(smoke *s);
