@@ -188,7 +188,7 @@ static void meshes(void **state) {
       CASE("index size", info.index_size = 3, CSM_ERROR_INVALID_VALUE),
       CASE("stride", info.position_stride = 8, CSM_ERROR_INVALID_VALUE),
       CASE("odd stride", info.position_stride = 13, CSM_ERROR_INVALID_VALUE),
-      CASE("flags", info.flags = 2, CSM_ERROR_INVALID_VALUE),
+      CASE("flags", info.flags = 4, CSM_ERROR_INVALID_VALUE),
       CASE("an index out of range", info.vertex_count = 2, CSM_ERROR_INVALID_INDEX),
 #undef CASE
   };
