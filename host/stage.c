@@ -302,9 +302,9 @@ int stage_draw_from(stage *s, const camera *from, const scene_light *light, csm_
   return code ? code : exit_code(csm_bind(s->cascades, binding));
 }
 
-int stage_mask(stage *s, const camera *from, float *mask, float *camera_depth) {
+int stage_mask(stage *s, const camera *from, float *mask, float *camera_depth, float *cascades) {
   look_from(s, from);
-  const csm_mask_info info = {
+  csm_mask_info info = {
       .struct_size = sizeof info, .frame = &s->frame, .width = s->setup->width, .height = s->setup->height};
   const size_t pixels = (size_t)s->setup->width * s->setup->height;
   int code = exit_code(csm_resolve_mask(s->cascades, &info));
@@ -312,6 +312,11 @@ int stage_mask(stage *s, const camera *from, float *mask, float *camera_depth) {
     code = read_into(s, CSM_READ_MASK, 0, pixels, mask);
   if (code == 0 && camera_depth)
     code = read_into(s, CSM_READ_CAMERA_DEPTH, 0, pixels, camera_depth);
+  info.view = CSM_VIEW_CASCADE;
+  if (code == 0 && cascades)
+    code = exit_code(csm_resolve_mask(s->cascades, &info));
+  if (code == 0 && cascades)
+    code = read_into(s, CSM_READ_MASK, 0, pixels, cascades);
   return code;
 }
 

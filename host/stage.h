@@ -62,9 +62,10 @@ int stage_read_views(stage *s, stage_frame *out);
 int stage_draw_from(stage *s, const camera *from, const scene_light *light, csm_binding *binding);
 /*
  * Resolves the mask of what a camera sees, from the maps that were drawn last, which may have been drawn for another
- * camera, and reads it back. camera_depth may be NULL. Both hold width * height pixels. 0, or a code after a message.
+ * camera, and reads it back. camera_depth, and cascades, which
+ * gets CSM_VIEW_CASCADE, may be NULL. All hold width * height pixels. 0, or a code after a message.
  */
-int stage_mask(stage *s, const camera *from, float *mask, float *camera_depth);
+int stage_mask(stage *s, const camera *from, float *mask, float *camera_depth, float *cascades);
 
 /*
  * Draws the cascades and the mask with timestamps, after a frame that warms up; GPU times are the medians of three.
