@@ -149,7 +149,7 @@ static const config_entry entries[] = {
           .about = "What is fitted to the depths that the camera saw in the last mask whose frame is done: nothing, "
                    "splits, or splits and what each map covers."),
     ENTRY(selection, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = CSM_SELECT_BEST,
-          .default_value = CSM_SELECT_INTERVAL, .unit = "", .values = selections,
+          .default_value = CSM_SELECT_MAP, .unit = "", .values = selections,
           .about = "Which cascade a point takes: that of its view depth, the first whose map holds it with its filter, "
                    "or of those the one with the finest texels."),
     ENTRY(beyond, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = CSM_BEYOND_FADED,
