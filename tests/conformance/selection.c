@@ -112,6 +112,7 @@ static void blends_go_over_at_both_ends(void **state) {
   fixture f;
   open_fixture(&f);
   csm_config config = base_config();
+  config.selection = CSM_SELECT_INTERVAL;
   config.blend_share = 0.5;
   config.split_mode = CSM_SPLIT_UNIFORM;
   config.resolution = 64;

@@ -73,6 +73,7 @@ static void a_point_has_the_cascade_of_its_interval(void **state) {
   viewed v;
   support_scene scene;
   csm_config config = support_config();
+  config.selection = CSM_SELECT_INTERVAL;
   config.shadow_distance = 26;
   config.split_mode = CSM_SPLIT_MANUAL;
   config.split_distances[0] = 12;
@@ -116,6 +117,7 @@ static void dithered_points_have_the_cascade_they_got(void **state) {
   viewed v;
   support_scene scene;
   csm_config config = support_config();
+  config.selection = CSM_SELECT_INTERVAL;
   config.blend_mode = CSM_BLEND_DITHERED;
   config.blend_share = 0.5;
   open_view(&v);
@@ -162,6 +164,7 @@ static void a_wall_has_the_density_of_its_texels(void **state) {
   const csm_instance wall = support_instance(support_box(v.context, 2), 0, 0, -10, 100, 100, 1e-3);
   for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
     csm_config config = support_config();
+    config.selection = CSM_SELECT_INTERVAL;
     config.resolution = cases[i].resolution;
     csm_frame frame = {.struct_size = sizeof frame,
                        .light_direction = {-sin(cases[i].aside), 0, -cos(cases[i].aside)},
