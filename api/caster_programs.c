@@ -9,11 +9,6 @@ static bool same_casters(const pass_casters *a, const pass_casters *b) {
          a->bias.constant == b->bias.constant && a->bias.slope == b->bias.slope && a->bias.clamp == b->bias.clamp;
 }
 
-/* Two-sided meshes need a program that culls nothing, and mirrored ones the other side's. */
-static bool needs(const caster_programs *programs, gpu_cull cull) {
-  return cull == GPU_CULL_NONE || programs->casters.cull != GPU_CULL_NONE;
-}
-
 void caster_programs_remove_shape(device *device, caster_programs *programs, uint32_t shape) {
   for (gpu_cull cull = GPU_CULL_NONE; cull <= GPU_CULL_FRONT; ++cull) {
     device->gpu.api->program_destroy(device->gpu.device, programs->programs[cull][shape]);
@@ -24,11 +19,10 @@ void caster_programs_remove_shape(device *device, caster_programs *programs, uin
 csm_result caster_programs_add_shape(device *device, caster_programs *programs, uint32_t shape) {
   csm_result result = CSM_SUCCESS;
   for (gpu_cull cull = GPU_CULL_NONE; cull <= GPU_CULL_FRONT && !result; ++cull)
-    if (needs(programs, cull))
-      result = device_check(device,
-                            cascade_depth_program(device->gpu, &programs->casters, cull,
-                                                  device->programs.vertices[shape], &programs->programs[cull][shape]),
-                            "a cascade depth program");
+    result = device_check(device,
+                          cascade_depth_program(device->gpu, &programs->casters, cull, device->programs.vertices[shape],
+                                                &programs->programs[cull][shape]),
+                          "a cascade depth program");
   if (result)
     caster_programs_remove_shape(device, programs, shape);
   return result;

@@ -72,14 +72,21 @@ csm_result device_programs(device *device, pass_vertices vertices, uint32_t *ind
   return CSM_SUCCESS;
 }
 
+static csm_result make_mask_program(device *device, const mask_kind *kind) {
+  gpu_program **program = &device->mask_programs[mask_kind_index(kind)];
+  if (*program)
+    return CSM_SUCCESS;
+  return device_check(device, mask_program(device->gpu, kind, program), "a mask program");
+}
+
+csm_result device_view_program(device *device) {
+  return make_mask_program(device, &(mask_kind){.view = true});
+}
+
 csm_result device_mask_programs(device *device, const csm_config *config) {
   csm_result result = CSM_SUCCESS;
-  for (int normals = 0; normals < 2 && !result; ++normals) {
-    const mask_kind kind = {.filter = config->filter, .normals = normals};
-    gpu_program **program = &device->mask_programs[mask_kind_index(&kind)];
-    if (!*program)
-      result = device_check(device, mask_program(device->gpu, &kind, program), "a mask program");
-  }
+  for (int normals = 0; normals < 2 && !result; ++normals)
+    result = make_mask_program(device, &(mask_kind){.filter = config->filter, .normals = normals});
   for (int coarse = 0; coarse < 2 && !result && config->sample_distribution != CSM_SAMPLES_OFF; ++coarse)
     if (!device->tiles_programs[coarse])
       result = device_check(device, depth_tiles_program(device->gpu, coarse, &device->tiles_programs[coarse]),

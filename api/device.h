@@ -48,7 +48,7 @@ typedef struct caster_programs {
   struct caster_programs *next;
   uint32_t users;
   pass_casters casters;
-  gpu_program *programs[3][DEVICE_MAX_SHAPES]; /* by gpu_cull; NULL where none is needed */
+  gpu_program *programs[3][DEVICE_MAX_SHAPES]; /* by gpu_cull */
 } caster_programs;
 
 /* An opacity texture, by slot of the context. */
@@ -118,7 +118,7 @@ struct device {
   opacity_images opacities;
   depth_programs programs;
   caster_programs *casters;
-  gpu_program *mask_programs[MASK_KINDS]; /* by mask_kind_index; NULL until a configuration asks for one */
+  gpu_program *mask_programs[MASK_KINDS]; /* by mask_kind_index; NULL until a configuration or a view asks for one */
   gpu_program *tiles_programs[2];         /* small and large tiles; likewise */
 };
 
@@ -132,6 +132,8 @@ void device_close(device *device);
 csm_result device_programs(device *device, pass_vertices vertices, uint32_t *index);
 /* Makes the programs that masks of a configuration need, where they are not there. Errors: those of creation. */
 csm_result device_mask_programs(device *device, const csm_config *config);
+/* Likewise the one that draws views of the mask. */
+csm_result device_view_program(device *device);
 
 /* ---- caster_programs.c ---- */
 

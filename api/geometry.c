@@ -349,6 +349,7 @@ csm_result geometry_add(device *device, uint32_t slot, const csm_mesh_info *info
   }
   mesh.index_count = info->index_count;
   mesh.two_sided = info->flags & CSM_MESH_TWO_SIDED;
+  mesh.closed = info->flags & CSM_MESH_CLOSED && !info->opacity;
   geometry->meshes[slot] = mesh;
   geometry->places[slot] = place;
   geometry->bytes += place->size;

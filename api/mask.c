@@ -25,6 +25,10 @@ static csm_result read_info(csm_context *context, const csm_mask_info *in, resol
     return result;
   if (info->flags & ~(uint32_t)CSM_FRAME_TIMESTAMPS)
     return context_fail(context, CSM_ERROR_INVALID_VALUE, "csm_mask_info: unknown flags %x", info->flags);
+  if (info->view > CSM_VIEW_DENSITY || info->reserved)
+    return context_fail(context, CSM_ERROR_INVALID_VALUE,
+                        info->reserved ? "csm_mask_info: reserved is %u, not 0" : "csm_mask_info: there is no view %u",
+                        info->reserved ? info->reserved : info->view);
   if (context->device->own && (info->camera_depth || info->normals))
     return context_fail(context, CSM_ERROR_UNSUPPORTED, "csm_mask_info: %s needs an engine's device",
                         info->camera_depth ? "camera_depth" : "normals");
@@ -91,8 +95,14 @@ static csm_result import(device *device, const csm_mask_info *info, const void *
 
 /* ---- reserving and recording ---- */
 
+/* Whether the program reads the engine's normals: views do without. */
+static bool reads_normals(const resolve *r) {
+  return r->normals && r->info.view == CSM_VIEW_SHADOW;
+}
+
 static gpu_program *choose_program(const csm_cascades *cascades, const resolve *r) {
-  const mask_kind kind = {.filter = cascades->config.filter, .normals = r->normals != NULL};
+  const mask_kind kind = {
+      .filter = cascades->config.filter, .normals = reads_normals(r), .view = r->info.view != CSM_VIEW_SHADOW};
   return cascades->context->device->mask_programs[mask_kind_index(&kind)];
 }
 
@@ -101,8 +111,9 @@ static csm_result reserve(csm_cascades *cascades, resolve *r) {
   const uint64_t matrices = (uint64_t)r->list.instance_count * PASS_CAMERA_ROWS * 4 * sizeof(float);
   r->matrices_size = (matrices + ring_alignment - 1) / ring_alignment * ring_alignment;
   bool ignored;
-  csm_result result =
-      recording_prepare(device, r->frame.frame, r->matrices_size + MASK_BLOCKS + DEPTH_TILES_BLOCKS, &r->ring);
+  csm_result result = r->info.view == CSM_VIEW_SHADOW ? CSM_SUCCESS : device_view_program(device);
+  if (!result)
+    result = recording_prepare(device, r->frame.frame, r->matrices_size + MASK_BLOCKS + DEPTH_TILES_BLOCKS, &r->ring);
   if (!result)
     result = mask_prepare(cascades, r->info.width, r->info.height, !r->info.camera_depth, &r->mask);
   if (!result)
@@ -117,8 +128,9 @@ static csm_result reserve(csm_cascades *cascades, resolve *r) {
   if (result)
     return result;
   const gpu_bindings_info reads =
-      mask_inputs(choose_program(cascades, r), r->ring.buffer, cascades->resources.maps->image, depth, r->normals);
-  return mask_input_find(cascades, r->mask, &reads, r->normals != NULL, &r->input);
+      mask_inputs(choose_program(cascades, r), r->ring.buffer, cascades->resources.maps->image, depth,
+                  reads_normals(r) ? r->normals : NULL);
+  return mask_input_find(cascades, r->mask, &reads, reads_normals(r), &r->input);
 }
 
 static void write_ring(const csm_cascades *cascades, const resolve *r) {
@@ -128,7 +140,7 @@ static void write_ring(const csm_cascades *cascades, const resolve *r) {
     plan_write_view_matrices(r->ring.memory, &r->list, &r->camera, &r->scene);
   plan_write_constants((float *)blocks, plan, &cascades->config);
   plan_write_mask_constants((float *)(blocks + MASK_CASCADES_BLOCK), plan, &r->camera, r->mask->width, r->mask->height,
-                            r->unorm_normals);
+                            r->unorm_normals, r->info.view);
   depth_tiles_write(blocks + MASK_BLOCKS, r->mask->width, r->mask->height, r->camera.reversed ? 0.0f : 1.0f);
 }
 

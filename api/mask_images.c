@@ -41,7 +41,7 @@ static csm_result make_image(device *device, const cascade_mask *mask, const cha
   csm_result result = device_image(device, &info, image);
   if (result)
     return result;
-  const bool depth = format == GPU_FORMAT_D32_FLOAT;
+  const bool depth = gpu_format_is_depth(format);
   const gpu_target_info on = {.name = name, .depth = depth ? *image : NULL, .color = depth ? NULL : *image};
   result = device_check(device, device->gpu.api->target_create(device->gpu.device, &on, target), name);
   if (result) {

@@ -40,6 +40,7 @@ static uint64_t budget(device *device) {
 /* Drivers may accept more than they say that they can hold (lavapipe does), so limits are asked first. */
 static csm_result check_memory(device *device, const char *name, uint64_t size, uint64_t largest) {
   csm_context *context = device->context;
+  retire_collect(device); /* who makes and frees without drawing would else hold all that until a frame */
   const uint64_t limit = device->memory_limit ? device->memory_limit : device->info.memory_size;
   const uint64_t available = budget(device);
   if (size > largest)
@@ -74,16 +75,9 @@ void device_buffer_free(device *device, gpu_buffer *buffer, uint64_t size) {
   device->memory_used -= size;
 }
 
-static uint64_t texel_bytes(gpu_format format) {
-  return format == GPU_FORMAT_R8_UNORM     ? 1
-         : format == GPU_FORMAT_D16_UNORM  ? 2
-         : format == GPU_FORMAT_RG32_FLOAT ? 8
-                                           : 4;
-}
-
 csm_result device_image(device *device, const gpu_image_info *info, gpu_image **out) {
   csm_context *context = device->context;
-  const uint64_t texel = texel_bytes(info->format);
+  const uint64_t texel = gpu_format_bytes(info->format);
   *out = NULL;
   if (info->width > device->info.max_image_size || info->height > device->info.max_image_size)
     return context_fail(context, CSM_ERROR_LIMIT_EXCEEDED, "%s: %u x %u texels, the device allows %u a side",

@@ -100,13 +100,13 @@ static csm_result check_engines(const device *device, const csm_mesh_info *info)
 static csm_result check_shape(csm_context *context, csm_mesh_info *info) {
   if (!info->position_stride)
     info->position_stride = 3 * sizeof(float);
-  const char *wrong = info->flags & ~(uint32_t)CSM_MESH_TWO_SIDED               ? "flags"
-                      : info->position_stride % 4 || info->position_stride < 12 ? "position_stride"
-                      : !info->vertex_count || info->vertex_count > INT32_MAX   ? "vertex_count"
-                      : !info->index_count || info->index_count % 3             ? "index_count"
-                      : info->index_size != 2 && info->index_size != 4          ? "index_size"
-                      : (uintptr_t)info->indices % info->index_size             ? "indices' alignment"
-                                                                                : NULL;
+  const char *wrong = info->flags & ~(uint32_t)(CSM_MESH_TWO_SIDED | CSM_MESH_CLOSED) ? "flags"
+                      : info->position_stride % 4 || info->position_stride < 12       ? "position_stride"
+                      : !info->vertex_count || info->vertex_count > INT32_MAX         ? "vertex_count"
+                      : !info->index_count || info->index_count % 3                   ? "index_count"
+                      : info->index_size != 2 && info->index_size != 4                ? "index_size"
+                      : (uintptr_t)info->indices % info->index_size                   ? "indices' alignment"
+                                                                                      : NULL;
   return wrong ? context_fail(context, CSM_ERROR_INVALID_VALUE, "the mesh's %s is not allowed", wrong) : CSM_SUCCESS;
 }
 

@@ -4,11 +4,12 @@
 
 enum { row_alignment = 256 };
 
-/* Part of an image, and how to turn its texels into floats. */
+/* A part of an image's layer. The layer is copied whole, for Direct3D 12 does not copy parts of depth. */
 typedef struct source {
   gpu_image *image;
-  gpu_region region;
-  uint32_t texel_bytes; /* 4: floats, 2 and 1: unorm */
+  gpu_format format;
+  uint32_t layer, image_width, image_height;
+  gpu_rect part;
 } source;
 
 static csm_result find_source(csm_cascades *cascades, const csm_read_info *info, source *out) {
@@ -24,42 +25,54 @@ static csm_result find_source(csm_cascades *cascades, const csm_read_info *info,
       return context_fail(context, CSM_ERROR_INVALID_STATE, "no maps have been drawn with this configuration yet");
     const cascade_maps *maps = cascades->resources.maps;
     const plan_rect *rect = &maps->layout.rects[info->cascade];
-    *out = (source){
-        .image = maps->image,
-        .region = {.layer = rect->layer, .x = rect->x, .y = rect->y, .width = rect->side, .height = rect->side},
-        .texel_bytes = maps->format == GPU_FORMAT_D16_UNORM ? 2 : 4};
+    *out = (source){.image = maps->image,
+                    .format = maps->format,
+                    .layer = rect->layer,
+                    .image_width = maps->layout.width,
+                    .image_height = maps->layout.height,
+                    .part = {.x = rect->x, .y = rect->y, .width = rect->side, .height = rect->side}};
     return CSM_SUCCESS;
   }
   if (!mask || !(info->source == CSM_READ_MASK ? mask->drawn : mask->depth_drawn))
     return context_fail(context, CSM_ERROR_INVALID_STATE, "no mask has been resolved yet");
   const bool wants_mask = info->source == CSM_READ_MASK;
   *out = (source){.image = wants_mask ? mask->mask : mask->depth,
-                  .region = {.width = mask->width, .height = mask->height},
-                  .texel_bytes = wants_mask ? 1 : 4};
+                  .format = wants_mask ? GPU_FORMAT_R8_UNORM : GPU_FORMAT_D32_FLOAT,
+                  .image_width = mask->width,
+                  .image_height = mask->height,
+                  .part = {.width = mask->width, .height = mask->height}};
   return CSM_SUCCESS;
 }
 
-static void unpack_row(const source *from, const unsigned char *row, float *out) {
-  if (from->texel_bytes == sizeof(float)) {
-    memcpy(out, row, from->region.width * sizeof(float));
-    return;
-  }
-  for (uint32_t x = 0; x < from->region.width; ++x) {
-    uint16_t wide;
-    memcpy(&wide, row + x * from->texel_bytes, from->texel_bytes == 2 ? sizeof wide : 0);
-    out[x] = from->texel_bytes == 2 ? (float)wide / 65535.0f : (float)row[x] / 255.0f;
+static float texel(const unsigned char *from, gpu_format format) {
+  uint16_t unorm;
+  float value;
+  switch (format) {
+  case GPU_FORMAT_R8_UNORM:
+    return (float)from[0] / 255.0f;
+  case GPU_FORMAT_D16_UNORM:
+    memcpy(&unorm, from, sizeof unorm);
+    return (float)unorm / 65535.0f;
+  default:
+    memcpy(&value, from, sizeof value);
+    return value;
   }
 }
 
 static void unpack(const source *from, const unsigned char *rows, uint32_t row_bytes, float *out) {
-  for (uint32_t y = 0; y < from->region.height; ++y, rows += row_bytes, out += from->region.width)
-    unpack_row(from, rows, out);
+  const uint32_t bytes = gpu_format_bytes(from->format);
+  for (uint32_t y = 0; y < from->part.height; ++y) {
+    const unsigned char *row = rows + (size_t)(from->part.y + y) * row_bytes + (size_t)from->part.x * bytes;
+    for (uint32_t x = 0; x < from->part.width; ++x)
+      *out++ = texel(row + (size_t)x * bytes, from->format);
+  }
 }
 
 static csm_result copy_out(device *device, const source *from, float *data) {
+  const gpu_region whole = {.layer = from->layer, .width = from->image_width, .height = from->image_height};
   const uint32_t row_bytes =
-      (from->region.width * from->texel_bytes + row_alignment - 1) / row_alignment * row_alignment;
-  const uint64_t size = (uint64_t)row_bytes * from->region.height;
+      (whole.width * gpu_format_bytes(from->format) + row_alignment - 1) / row_alignment * row_alignment;
+  const uint64_t size = (uint64_t)row_bytes * whole.height;
   gpu_buffer *buffer;
   ring_range ring = {0};
   csm_result result = device_buffer(
@@ -70,7 +83,7 @@ static csm_result copy_out(device *device, const source *from, float *data) {
   if (!result)
     result = recording_begin(device, NULL);
   if (!result) {
-    device->gpu.api->copy_image(device->gpu.device, buffer, 0, row_bytes, from->image, &from->region);
+    device->gpu.api->copy_image(device->gpu.device, buffer, 0, row_bytes, from->image, &whole);
     result = recording_end(device);
   }
   if (!result)
@@ -95,7 +108,7 @@ csm_result CSM_CALL csm_read(csm_cascades *cascades, const csm_read_info *in) {
     result = find_source(cascades, &info, &from);
   if (result)
     return result;
-  const uint64_t size = (uint64_t)from.region.width * from.region.height * sizeof(float);
+  const uint64_t size = (uint64_t)from.part.width * from.part.height * sizeof(float);
   if (!info.data)
     return context_fail(context, CSM_ERROR_NULL_POINTER, "csm_read_info: data is NULL");
   if (info.size != size)

@@ -46,6 +46,29 @@ csm_result CSM_CALL csm_get_stats(csm_cascades *cascades, csm_stats *out) {
   return CSM_SUCCESS;
 }
 
+csm_result CSM_CALL csm_get_casters(csm_cascades *cascades, uint32_t instance_count, uint8_t *drawn) {
+  csm_result result = cascades_usable(cascades);
+  if (result)
+    return result;
+  csm_context *context = cascades->context;
+  const planned *planned = &cascades->plans[cascades->current];
+  if (!drawn && instance_count)
+    return context_fail(context, CSM_ERROR_NULL_POINTER, "drawn is NULL");
+  if (!cascades->drawn)
+    return context_fail(context, CSM_ERROR_INVALID_STATE, "no maps have been drawn with this configuration yet");
+  if (instance_count != planned->scene.instance_count)
+    return context_fail(context, CSM_ERROR_INVALID_VALUE, "instance_count is %u, and the frame had %u", instance_count,
+                        planned->scene.instance_count);
+  for (uint32_t i = 0; i < instance_count; ++i)
+    drawn[i] = 0;
+  for (uint32_t k = 0; k < planned->frame.cascade_count; ++k) {
+    const plan_list *list = &planned->frame.cascades[k].list;
+    for (uint32_t i = 0; i < list->instance_count; ++i)
+      drawn[list->instances[i]] |= (uint8_t)(1u << k);
+  }
+  return CSM_SUCCESS;
+}
+
 static void bind_images(csm_cascades *cascades, csm_binding *binding) {
   const pass_gpu gpu = cascades->context->device->gpu;
   gpu_native_image native;

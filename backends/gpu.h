@@ -68,13 +68,34 @@ typedef enum gpu_format {
   GPU_FORMAT_D32_FLOAT,
   GPU_FORMAT_D16_UNORM,
   GPU_FORMAT_R8_UNORM,
-  GPU_FORMAT_RG32_FLOAT,  /* images and vertex attributes */
-  GPU_FORMAT_RGB32_FLOAT, /* vertex attributes, as the next */
+  GPU_FORMAT_RG32_FLOAT,  /* colour and vertex attributes */
+  GPU_FORMAT_RGB32_FLOAT, /* vertex attributes */
   GPU_FORMAT_RGBA32_FLOAT
 } gpu_format;
 
-static inline bool gpu_is_depth(gpu_format format) {
+static inline bool gpu_format_is_depth(gpu_format format) {
   return format == GPU_FORMAT_D32_FLOAT || format == GPU_FORMAT_D16_UNORM;
+}
+
+/* Of a texel, or of an attribute. */
+static inline uint32_t gpu_format_bytes(gpu_format format) {
+  switch (format) {
+  case GPU_FORMAT_R8_UNORM:
+    return 1;
+  case GPU_FORMAT_D16_UNORM:
+    return 2;
+  case GPU_FORMAT_D32_FLOAT:
+    return 4;
+  case GPU_FORMAT_RG32_FLOAT:
+    return 8;
+  case GPU_FORMAT_RGB32_FLOAT:
+    return 12;
+  case GPU_FORMAT_RGBA32_FLOAT:
+    return 16;
+  case GPU_FORMAT_NONE:
+    break;
+  }
+  return 0;
 }
 
 typedef enum gpu_buffer_kind {
@@ -118,7 +139,7 @@ typedef struct gpu_image_info {
   bool array; /* shaders see it as an array, even with one layer */
 } gpu_image_info;
 
-/* A part of an image, in texels from its top left. */
+/* A piece of an image, in texels from its top left: a rectangle, and one of one layer. */
 typedef struct gpu_rect {
   uint32_t x, y, width, height;
 } gpu_rect;
@@ -127,12 +148,11 @@ typedef struct gpu_region {
   uint32_t layer, x, y, width, height;
 } gpu_region;
 
-/*
- * What an engine's shaders sample: VkImage, VkImageView (of all layers) and VkSampler (comparing less or equal, and the
- * other way round), or ID3D12Resource*.
- */
+/* What an engine's shaders sample: VkImage, VkImageView (of all layers) and VkSamplers, or ID3D12Resource*. */
 typedef struct gpu_native_image {
-  uint64_t image, view, sampler, sampler_reversed;
+  uint64_t image, view;
+  uint64_t sampler;          /* GPU_SAMPLER_COMPARE_LESS_EQUAL; D3D12: 0, as below */
+  uint64_t sampler_reversed; /* GPU_SAMPLER_COMPARE_GREATER_EQUAL */
 } gpu_native_image;
 
 /* What an engine needs to record draws of its own into the pass that is open. */
@@ -180,8 +200,8 @@ typedef struct gpu_attribute {
 typedef enum gpu_sampler {
   GPU_SAMPLER_POINT_CLAMP,
   GPU_SAMPLER_LINEAR_CLAMP,
-  GPU_SAMPLER_COMPARE_LESS_EQUAL, /* linear, clamped; 1 where reference <= texel */
-  GPU_SAMPLER_COMPARE_GREATER_EQUAL
+  GPU_SAMPLER_COMPARE_LESS_EQUAL,   /* linear, clamped; 1 where reference <= texel */
+  GPU_SAMPLER_COMPARE_GREATER_EQUAL /* the same; 1 where reference >= texel */
 } gpu_sampler;
 
 typedef enum gpu_cull { GPU_CULL_NONE, GPU_CULL_BACK, GPU_CULL_FRONT } gpu_cull;
@@ -192,11 +212,16 @@ typedef enum gpu_compare {
   GPU_COMPARE_GREATER
 } gpu_compare; /* NONE: no depth test */
 
-/* Depth that the rasteriser adds: constant units of the format, slope times the greater change from texel to texel. */
+/*
+ * What the rasterizer adds to depth, before the depth test: constant * r + slope * m. m is how much depth changes from
+ * texel to texel at most. r is one unit in the last place of the triangle's largest depth for a D32, and one unit of a
+ * D16, or two where the device takes it so, as Vulkan allows (lavapipe does, and with it vkd3d). A clamp above 0 is the
+ * most that is added, one below 0 the least. All zero: nothing is added.
+ */
 typedef struct gpu_raster_bias {
   int32_t constant;
   float slope;
-  float clamp; /* the sum's limit, above 0 or below; 0: none. UNSUPPORTED where a device has no such limit */
+  float clamp; /* other than 0 only where the device can */
 } gpu_raster_bias;
 
 #define GPU_MAX_STREAMS 3
@@ -282,6 +307,7 @@ typedef struct gpu_backend {
   csm_result (*geometry_import)(gpu_device *device, const void *native, gpu_geometry *out);
   csm_result (*target_create)(gpu_device *device, const gpu_target_info *info, gpu_target **out);
   void (*target_destroy)(gpu_device *device, gpu_target *target);
+  /* Also UNSUPPORTED: the device cannot clamp the raster bias. */
   csm_result (*program_create)(gpu_device *device, const gpu_program_info *info, gpu_program **out);
   void (*program_destroy)(gpu_device *device, gpu_program *program);
   csm_result (*bindings_create)(gpu_device *device, const gpu_bindings_info *info, gpu_bindings **out);
@@ -301,30 +327,32 @@ typedef struct gpu_backend {
   void (*timestamp)(gpu_device *device, uint32_t index); /* below GPU_MAX_TIMESTAMPS, each once for a frame's slot */
   void (*copy_buffer)(gpu_device *device, gpu_buffer *to, uint64_t to_offset, gpu_buffer *from, uint64_t from_offset,
                       uint64_t size);
-  /* A region to a readback buffer: its row r begins at offset + r * row_bytes, row_bytes a multiple of 256. */
-  void (*copy_image)(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *from,
-                     const gpu_region *region);
+  /* A region to a readback buffer: its row r begins at offset + r * row_bytes, offset a multiple of 512, row_bytes one
+     of 256. Of a depth image it is a whole layer, for Direct3D 12 copies no part of one. */
+  void (*copy_image)(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *image,
+                     const gpu_region *from);
   /* A whole image of one layer, from an upload buffer with rows as above. */
   void (*copy_to_image)(gpu_device *device, gpu_image *to, gpu_buffer *from, uint64_t offset, uint32_t row_bytes);
-  /* Every layer of a depth image, the cheapest way that the API offers. */
+  /* Every layer of a depth image, the cheapest way that the API offers; 0 and 1 are what it is cheapest for. */
   void (*clear_depth)(gpu_device *device, gpu_image *image, float depth);
   /* Begins a render pass over the whole target; what it holds is kept, but colour is undefined until drawn. */
   void (*pass_begin)(gpu_device *device, gpu_target *target);
-  void (*pass_end)(gpu_device *device);
-  /* Narrows the viewport and the scissor of the pass, which cover the whole target: clip space is mapped to the area.
-   */
+  /* Restricts what follows in the open pass to a part of its target: clip space covers the area, texel row 0 of it at
+     clip y = +1, and nothing is drawn outside it. */
   void (*pass_area)(gpu_device *device, const gpu_rect *area);
+  void (*pass_end)(gpu_device *device);
   void (*pass_program)(gpu_device *device, gpu_program *program);
   /* `offsets`: one for each of the program's constants, a multiple of 256. Textures must have been drawn before. */
   void (*pass_bind)(gpu_device *device, gpu_bindings *bindings, const uint32_t *offsets);
   void (*pass_draw)(gpu_device *device, const gpu_draw *draw);
-  /* What an engine needs to draw into the open pass itself. Viewport and scissor cover the pass's area; what the engine
-     binds is forgotten with the next pass_program. */
+  /* What an engine needs to draw into the open pass itself. Viewport and scissor cover the pass's area, which is the
+     whole target unless pass_area was called; what the engine binds is forgotten with the next pass_program, what it
+     makes of viewport and scissor with the next pass_area. */
   void (*pass_native)(gpu_device *device, gpu_native_pass *out);
   /* Makes an image readable by shaders in the passes that follow; outside a pass. */
   void (*make_readable)(gpu_device *device, gpu_image *image);
   /* Ends the recording, and submits it on an own device; an engine's command buffer stays open. Errors: DEVICE_LOST,
-   * DEVICE, OUT_OF_MEMORY. */
+     DEVICE, OUT_OF_MEMORY. */
   csm_result (*end)(gpu_device *device);
   /* Waits for the slot's last recording. Own device only. Errors: DEVICE_LOST. */
   csm_result (*wait)(gpu_device *device, uint32_t slot);

@@ -48,6 +48,22 @@ static void compare_masks(agreement *out, const float *a, const float *b, size_t
   out->mask_agrees = (double)out->mask_beyond <= compare_mask_share * (double)count;
 }
 
+/* One device gives the same bits; of two, rounding may decide otherwise at a few pixels. */
+static void compare_views(agreement *out, const stage_frame *a, const stage_frame *b, size_t pixels, size_t instances) {
+  out->has_views = a->casters && b->casters;
+  out->views_agree = out->casters_equal = true;
+  if (!out->has_views)
+    return;
+  for (uint32_t i = 0; i < STAGE_VIEWS; i++) {
+    for (size_t at = 0; at < pixels; at++)
+      out->views[i] += a->views[i][at] != b->views[i][at];
+    const double allowed = out->allowed_ulp == 0 ? 0.0 : compare_mask_share * (double)pixels;
+    out->views_agree = out->views_agree && (double)out->views[i] <= allowed;
+  }
+  out->casters_equal = memcmp(a->casters, b->casters, instances) == 0;
+  out->views_agree = out->views_agree && out->casters_equal;
+}
+
 void compare_frames(agreement *out, const stage *a, const stage_frame *frame_a, const stage *b,
                     const stage_frame *frame_b) {
   const size_t pixels = (size_t)a->setup->width * a->setup->height;
@@ -63,7 +79,8 @@ void compare_frames(agreement *out, const stage *a, const stage_frame *frame_a, 
   out->camera_depth = compare_depths(frame_a->camera_depth, frame_b->camera_depth, pixels);
   out->depth_agrees = out->depth_agrees && within(&out->camera_depth, out->allowed_ulp);
   compare_masks(out, frame_a->mask, frame_b->mask, pixels);
-  out->agrees = out->plans_equal && out->depth_agrees && out->mask_agrees;
+  compare_views(out, frame_a, frame_b, pixels, a->setup->scene.instance_count);
+  out->agrees = out->plans_equal && out->depth_agrees && out->mask_agrees && out->views_agree;
 }
 
 static void print_depth(FILE *to, const char *name, const depth_difference *difference) {
@@ -86,6 +103,10 @@ void agreement_print(FILE *to, const agreement *result, const char *name_a, cons
   fprintf(
       to, "\n  masks        %s: %" PRIu64 " of %" PRIu64 " pixels differ by more than 1/255, largest difference %.6g\n",
       result->mask_agrees ? "agree" : "DIFFER", result->mask_beyond, result->mask_pixels, (double)result->mask_largest);
+  if (result->has_views)
+    fprintf(to, "  views        %s: %" PRIu64 " pixels of cascades and %" PRIu64 " of density differ; casters %s\n",
+            result->views_agree ? "agree" : "DIFFER", result->views[0], result->views[1],
+            result->casters_equal ? "are the same" : "DIFFER");
   fprintf(to, "  verdict      %s and %s %s\n", name_a, name_b, result->agrees ? "AGREE" : "DIFFER");
 }
 
@@ -93,6 +114,15 @@ static json_t *depth_to_json(const depth_difference *difference) {
   json_t *object = json_object();
   json_object_set_new(object, "differing", json_integer((json_int_t)difference->differing));
   json_object_set_new(object, "max_ulp", json_integer(difference->max_ulp));
+  return object;
+}
+
+static json_t *views_to_json(const agreement *result) {
+  json_t *object = json_object();
+  json_object_set_new(object, "agree", json_boolean(result->views_agree));
+  json_object_set_new(object, "cascade_differing", json_integer((json_int_t)result->views[CSM_VIEW_CASCADE - 1]));
+  json_object_set_new(object, "density_differing", json_integer((json_int_t)result->views[CSM_VIEW_DENSITY - 1]));
+  json_object_set_new(object, "casters_equal", json_boolean(result->casters_equal));
   return object;
 }
 
@@ -108,5 +138,7 @@ json_t *agreement_to_json(const agreement *result) {
   json_object_set_new(object, "mask_pixels", json_integer((json_int_t)result->mask_pixels));
   json_object_set_new(object, "mask_beyond", json_integer((json_int_t)result->mask_beyond));
   json_object_set_new(object, "mask_largest", json_real(result->mask_largest));
+  if (result->has_views)
+    json_object_set_new(object, "views", views_to_json(result));
   return object;
 }

@@ -16,10 +16,13 @@ typedef struct agreement {
   uint32_t cascade_count;
   depth_difference maps[CSM_MAX_CASCADES];
   depth_difference camera_depth;
-  uint64_t mask_pixels; /* of the mask */
-  uint64_t mask_beyond; /* that differ by more than 1/255 */
-  float mask_largest;   /* the largest difference */
-  bool depth_agrees, mask_agrees;
+  uint64_t mask_pixels;        /* of the mask */
+  uint64_t mask_beyond;        /* that differ by more than 1/255 */
+  float mask_largest;          /* the largest difference */
+  bool has_views;              /* both frames have them */
+  uint64_t views[STAGE_VIEWS]; /* pixels that differ at all */
+  bool casters_equal;
+  bool depth_agrees, mask_agrees, views_agree;
   bool agrees;
 } agreement;
 

@@ -1,6 +1,7 @@
 #include "config_json.h"
 #include "host.h"
 #include "json_file.h"
+#include "presets.h"
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
@@ -19,86 +20,95 @@ static bool find_field(const char *name, csm_config_field *field) {
 
 /* ---- reading ---- */
 
-static int wrong_type(const char *key, const char *wanted) {
-  return host_fail(HOST_BAD_INPUT, "--config: '%s' must be %s", key, wanted);
+static int wrong_type(const char *from, const char *key, const char *wanted) {
+  return host_fail(HOST_BAD_INPUT, "%s: '%s' must be %s", from, key, wanted);
 }
 
 /* A whole number may be written with a point: 4.0 is 4. */
-static int read_uint(void *to, const char *key, const json_t *value) {
+static int read_uint(void *to, const char *from, const char *key, const json_t *value) {
   const double number = json_number_value(value);
   if (!json_is_number(value) || number != floor(number) || number < 0.0 || number > UINT32_MAX)
-    return wrong_type(key, "a whole number that is not negative");
+    return wrong_type(from, key, "a whole number that is not negative");
   *(uint32_t *)to = (uint32_t)number;
   return 0;
 }
 
-static int read_enum(void *to, const csm_config_field *field, const json_t *value) {
+static int read_enum(void *to, const char *from, const csm_config_field *field, const json_t *value) {
   if (json_is_integer(value))
-    return read_uint(to, field->name, value);
+    return read_uint(to, from, field->name, value);
   if (!json_is_string(value))
-    return wrong_type(field->name, "a name or a number");
+    return wrong_type(from, field->name, "a name or a number");
   for (uint32_t i = 0; field->values[i]; i++)
     if (strcmp(field->values[i], json_string_value(value)) == 0) {
       *(uint32_t *)to = i;
       return 0;
     }
-  return host_fail(HOST_BAD_INPUT, "--config: '%s' has no value '%s'", field->name, json_string_value(value));
+  return host_fail(HOST_BAD_INPUT, "%s: '%s' has no value '%s'", from, field->name, json_string_value(value));
 }
 
 static bool is_array(const csm_config_field *field) {
   return field->type == CSM_FIELD_DOUBLES || field->type == CSM_FIELD_UINTS;
 }
 
-static int read_array(void *to, const csm_config_field *field, const json_t *value) {
+static int read_array(void *to, const char *from, const csm_config_field *field, const json_t *value) {
   if (!json_is_array(value) || json_array_size(value) > field->length)
-    return host_fail(HOST_BAD_INPUT, "--config: '%s' must be an array of up to %u numbers", field->name, field->length);
+    return host_fail(HOST_BAD_INPUT, "%s: '%s' must be an array of up to %u numbers", from, field->name, field->length);
   const bool doubles = field->type == CSM_FIELD_DOUBLES;
   memset(to, 0, field->length * (doubles ? sizeof(double) : sizeof(uint32_t)));
   int code = 0;
   for (size_t i = 0; i < json_array_size(value) && code == 0; i++) {
     const json_t *element = json_array_get(value, i);
     if (!json_is_number(element))
-      code = wrong_type(field->name, "an array of numbers");
+      code = wrong_type(from, field->name, "an array of numbers");
     else if (doubles)
       ((double *)to)[i] = json_number_value(element);
     else
-      code = read_uint((uint32_t *)to + i, field->name, element);
+      code = read_uint((uint32_t *)to + i, from, field->name, element);
   }
   return code;
 }
 
-static int read_field(csm_config *config, const csm_config_field *field, const json_t *value) {
+static int read_field(csm_config *config, const char *from, const csm_config_field *field, const json_t *value) {
   void *to = (char *)config + field->offset;
   if (field->type == CSM_FIELD_UINT)
-    return read_uint(to, field->name, value);
+    return read_uint(to, from, field->name, value);
   if (field->type == CSM_FIELD_ENUM)
-    return read_enum(to, field, value);
+    return read_enum(to, from, field, value);
   if (is_array(field))
-    return read_array(to, field, value);
+    return read_array(to, from, field, value);
   if (!json_is_number(value))
-    return wrong_type(field->name, "a number");
+    return wrong_type(from, field->name, "a number");
   *(double *)to = json_number_value(value);
   return 0;
 }
 
-int config_load(csm_config *out, const char *path, double shadow_distance) {
-  *out = (csm_config){.struct_size = sizeof *out};
-  csm_config_default(out);
-  out->shadow_distance = shadow_distance;
-  if (!path)
-    return 0;
-  json_t *root = json_file_load("--config", path);
-  if (!root)
-    return HOST_BAD_INPUT;
+int config_read(csm_config *config, const char *from, json_t *object) {
   int code = 0;
   const char *key;
   json_t *value;
-  json_object_foreach(root, key, value) {
+  json_object_foreach(object, key, value) {
     csm_config_field field;
     if (code == 0)
-      code = find_field(key, &field) ? read_field(out, &field, value)
-                                     : host_fail(HOST_BAD_INPUT, "--config: unknown key '%s'", key);
+      code = find_field(key, &field) ? read_field(config, from, &field, value)
+                                     : host_fail(HOST_BAD_INPUT, "%s: unknown key '%s'", from, key);
   }
+  return code;
+}
+
+int config_load(csm_config *out, const char *preset, const char *path, double shadow_distance) {
+  *out = (csm_config){.struct_size = sizeof *out};
+  csm_config_default(out);
+  out->shadow_distance = shadow_distance;
+  int code = 0;
+  if (preset) {
+    json_t *config = preset_config(preset);
+    code = config_read(out, "--preset", config);
+    json_decref(config);
+  }
+  if (code || !path)
+    return code;
+  json_t *root = json_file_load("--config", path);
+  code = root ? config_read(out, "--config", root) : HOST_BAD_INPUT;
   json_decref(root);
   return code;
 }

@@ -6,10 +6,13 @@
 #include <jansson.h>
 
 /*
- * The default configuration with the scene's shadow distance, then what the file says; `path` may be NULL. Ranges are
- * the library's to check. 0, or HOST_BAD_INPUT after a message that names the key.
+ * The default configuration with the scene's shadow distance, then what the preset says, one that preset_find has
+ * found, then the file; both may be NULL. Ranges are the library's to check. 0, or HOST_BAD_INPUT after a message that
+ * names the key.
  */
-int config_load(csm_config *out, const char *path, double shadow_distance);
+int config_load(csm_config *out, const char *preset, const char *path, double shadow_distance);
+/* What an object says, over what `config` holds. `from` begins messages. 0, or HOST_BAD_INPUT as above. */
+int config_read(csm_config *config, const char *from, json_t *object);
 
 /* A new object with every field's value. Enumerations by name. */
 json_t *config_to_json(const csm_config *config);

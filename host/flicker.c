@@ -6,14 +6,6 @@
 
 #define TRUTH_TOLERANCE (1.0f / 255.0f)
 
-/* Which cascade's slice holds a view depth; the count beyond all. */
-static uint32_t cascade_at(const csm_binding *binding, double view_depth) {
-  uint32_t cascade = 0;
-  while (cascade < binding->cascade_count && view_depth > binding->cascades[cascade].far_depth)
-    cascade++;
-  return cascade;
-}
-
 /* The view depth of a pixel's point for the other camera. */
 typedef struct second_depth {
   camera_rays rays;
@@ -40,10 +32,10 @@ static double second_depth_at(const second_depth *d, uint32_t column, uint32_t r
   return vec_dot(origin, d->forward) + along * vec_dot(direction, d->forward) + d->offset;
 }
 
-static void add_point(flicker *sum, const flicker_pair *pair, size_t pixel, const uint32_t cascades[2]) {
+static void add_point(flicker *sum, const flicker_pair *pair, size_t pixel) {
   const bool changed = fabsf(pair->masks[1][pixel] - pair->masks[0][pixel]) > compare_mask_tolerance;
   const bool truly = fabsf(pair->visibility[1][pixel] - pair->visibility[0][pixel]) > TRUTH_TOLERANCE;
-  const bool same = cascades[0] == cascades[1];
+  const bool same = pair->cascades[0][pixel] == pair->cascades[1][pixel];
   sum->points += same;
   sum->crossing += !same;
   sum->changed += same && changed && !truly;
@@ -62,11 +54,9 @@ void flicker_add(flicker *sum, const flicker_pair *pair) {
           !(truth_facing(surface, pair->second_light) > METRICS_GRAZING_COSINE))
         continue;
       const double depth = second_depth_at(&second, column, row, surface->view_depth);
-      const uint32_t cascades[2] = {cascade_at(pair->bindings[0], surface->view_depth),
-                                    cascade_at(pair->bindings[1], depth)};
-      if (depth <= pair->shadow_distance && cascades[0] < pair->bindings[0]->cascade_count &&
-          cascades[1] < pair->bindings[1]->cascade_count)
-        add_point(sum, pair, pixel, cascades);
+      const bool shadowed = pair->cascades[0][pixel] > 0.0f && pair->cascades[1][pixel] > 0.0f;
+      if (shadowed && depth <= pair->shadow_distance)
+        add_point(sum, pair, pixel);
     }
 }
 

@@ -2,7 +2,6 @@
 #ifndef HOST_FLICKER_H
 #define HOST_FLICKER_H
 
-#include "csm/csm.h"
 #include "metrics.h"
 
 /* World points that two frames both see. */
@@ -20,10 +19,10 @@ typedef struct flicker_pair {
   const uint8_t *seen;    /* by the second frame too: truth_seen */
   const camera *second;   /* the second frame's camera */
   const scene_light *second_light;
-  double shadow_distance;         /* the scene's */
-  const csm_binding *bindings[2]; /* of each frame */
-  const float *visibility[2];     /* true, with each frame's light */
-  const float *masks[2];          /* drawn, from each frame's maps, at these very points */
+  double shadow_distance;     /* the scene's */
+  const float *cascades[2];   /* CSM_VIEW_CASCADE of each frame's maps, at these points */
+  const float *visibility[2]; /* true, with each frame's light */
+  const float *masks[2];      /* drawn, from each frame's maps, at these very points */
 } flicker_pair;
 
 /* Adds a pair of frames to *sum. */

@@ -33,6 +33,14 @@ void image_set(image *picture, uint32_t x, uint32_t y, const float linear[3]) {
     pixel[i] = to_srgb(linear[i]);
 }
 
+void image_mix(image *picture, uint32_t x, uint32_t y, const float linear[3], float share) {
+  uint8_t *pixel = picture->pixels + 3 * ((size_t)y * picture->width + x);
+  for (int i = 0; i < 3; i++) {
+    const float before = from_srgb(pixel[i]);
+    pixel[i] = to_srgb(before + (linear[i] - before) * share);
+  }
+}
+
 int image_write_png(const image *picture, const char *path) {
   FILE *file = fopen(path, "wb");
   if (!file)

@@ -13,6 +13,8 @@ void image_create(image *out, uint32_t width, uint32_t height);
 void image_free(image *picture);
 /* Linear light, 0 to 1, is brought to sRGB. */
 void image_set(image *picture, uint32_t x, uint32_t y, const float linear[3]);
+/* A share of linear light over what is there, 0 to 1. */
+void image_mix(image *picture, uint32_t x, uint32_t y, const float linear[3], float share);
 /* 0, or HOST_BAD_INPUT after a message. */
 int image_write_png(const image *picture, const char *path);
 

@@ -4,9 +4,25 @@
 #include "measure.h"
 #include "options.h"
 #include "output.h"
+#include "presets.h"
 #include "report.h"
 #include "run.h"
 #include "view.h"
+#include <math.h>
+
+/* What a configuration leaves to the scene is not told, so that a file made of this leaves it as well. */
+static int config_command(const host_options *options) {
+  csm_config config;
+  if (!options->preset && !options->config_file)
+    return output_json_to_stdout(config_describe_json());
+  const int code = config_load(&config, options->preset, options->config_file, NAN);
+  if (code)
+    return code;
+  json_t *object = config_to_json(&config);
+  if (isnan(config.shadow_distance))
+    json_object_del(object, "shadow_distance");
+  return output_json_to_stdout(object);
+}
 
 int main(int count, char **arguments) {
   host_options options;
@@ -18,7 +34,9 @@ int main(int count, char **arguments) {
     options_print_help(stdout);
     return 0;
   case COMMAND_CONFIG:
-    return output_json_to_stdout(config_describe_json());
+    return config_command(&options);
+  case COMMAND_PRESETS:
+    return output_json_to_stdout(presets_to_json());
   case COMMAND_RUN:
     return run_command(&options);
   case COMMAND_MEASURE:

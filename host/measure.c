@@ -6,6 +6,7 @@
 #include "host.h"
 #include "measure_path.h"
 #include "measure_picture.h"
+#include "measure_presets.h"
 #include "output.h"
 #include "truth_frame.h"
 #include <inttypes.h>
@@ -296,6 +297,8 @@ static int measure_frame(measurement *m) {
 }
 
 int measure_command(const host_options *options) {
+  if (options->preset_count)
+    return measure_presets(options);
   measurement *m = host_allocate(1, sizeof *m);
   m->options = options;
   int code = setup_load(&m->setup, options);

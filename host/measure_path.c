@@ -1,6 +1,7 @@
 #include "measure_path.h"
 #include "camera_json.h"
 #include "host.h"
+#include "sun_path.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -51,15 +52,20 @@ int measure_path_load(measure_path *out, const host_options *options, const host
     code = json_list_load(&cameras, "--camera-path", options->camera_path);
   if (code == 0 && options->camera_path)
     code = load_cameras(out, &cameras, setup);
-  if (code == 0 && options->light_path)
+  uint32_t light_count = 0;
+  if (code == 0 && options->light_path && sun_path_is(options->light_path)) {
+    code = sun_path_load(&out->lights, &light_count, options->light_path, setup->light.disc_deg);
+  } else if (code == 0 && options->light_path) {
     code = json_list_load(&lights, "--light-path", options->light_path);
-  if (code == 0 && options->light_path)
-    code = load_lights(out, &lights);
-  if (code == 0 && cameras.count && lights.count && cameras.count != lights.count)
-    code = host_fail(HOST_BAD_INPUT, "--light-path: %zu lights, but --camera-path has %zu cameras", lights.count,
+    light_count = (uint32_t)lights.count;
+    if (code == 0)
+      code = load_lights(out, &lights);
+  }
+  if (code == 0 && cameras.count && light_count && cameras.count != light_count)
+    code = host_fail(HOST_BAD_INPUT, "--light-path: %u lights, but --camera-path has %zu cameras", light_count,
                      cameras.count);
   if (code == 0) {
-    out->count = (uint32_t)(cameras.count ? cameras.count : lights.count);
+    out->count = cameras.count ? (uint32_t)cameras.count : light_count;
     fill_in(out, setup);
   }
   json_list_free(&cameras);
@@ -81,7 +87,7 @@ typedef struct path_frame {
   float *visibility;
   float *masks[HOST_BACKENDS];
   uint8_t *kinds[HOST_BACKENDS];
-  csm_binding bindings[HOST_BACKENDS];
+  float *cascades[HOST_BACKENDS]; /* which each point takes */
 } path_frame;
 
 typedef struct walk {
@@ -93,7 +99,7 @@ typedef struct walk {
   path_result *results;
   path_frame frames[2]; /* in turn */
   float *camera_depth;  /* scratch, one picture each */
-  float *later_mask, *later_visibility;
+  float *later_mask, *later_cascades, *later_visibility;
   uint8_t *seen;
 } walk;
 
@@ -111,11 +117,13 @@ static void allocate_frames(walk *w) {
     frame->visibility = host_allocate(pixels, sizeof *frame->visibility);
     for (uint32_t b = 0; b < w->count; b++) {
       frame->masks[b] = host_allocate(pixels, sizeof *frame->masks[b]);
+      frame->cascades[b] = host_allocate(pixels, sizeof *frame->cascades[b]);
       frame->kinds[b] = host_allocate(pixels, sizeof *frame->kinds[b]);
     }
   }
   w->camera_depth = host_allocate(pixels, sizeof *w->camera_depth);
   w->later_mask = host_allocate(pixels, sizeof *w->later_mask);
+  w->later_cascades = host_allocate(pixels, sizeof *w->later_cascades);
   w->later_visibility = host_allocate(pixels, sizeof *w->later_visibility);
   w->seen = host_allocate(pixels, sizeof *w->seen);
 }
@@ -126,11 +134,13 @@ static void free_frames(walk *w) {
     free(w->frames[f].visibility);
     for (uint32_t b = 0; b < w->count; b++) {
       free(w->frames[f].masks[b]);
+      free(w->frames[f].cascades[b]);
       free(w->frames[f].kinds[b]);
     }
   }
   free(w->camera_depth);
   free(w->later_mask);
+  free(w->later_cascades);
   free(w->later_visibility);
   free(w->seen);
 }
@@ -160,8 +170,8 @@ static int cast_pair(walk *w, uint32_t index, const path_frame *before) {
 }
 
 /* This frame's maps, asked at the very points that the frame before saw. */
-static int compare_with(walk *w, uint32_t index, uint32_t b, const path_frame *before, const csm_binding *binding) {
-  const int code = stage_mask(&w->stages[b], before->view.camera, w->later_mask, NULL);
+static int compare_with(walk *w, uint32_t index, uint32_t b, const path_frame *before) {
+  const int code = stage_mask(&w->stages[b], before->view.camera, w->later_mask, NULL, w->later_cascades);
   if (code)
     return code;
   const flicker_pair pair = {.view = &before->view,
@@ -170,7 +180,7 @@ static int compare_with(walk *w, uint32_t index, uint32_t b, const path_frame *b
                              .second = &w->path->cameras[index],
                              .second_light = &w->path->lights[index],
                              .shadow_distance = w->stages[b].setup->shadow_distance,
-                             .bindings = {&before->bindings[b], binding},
+                             .cascades = {before->cascades[b], w->later_cascades},
                              .visibility = {before->visibility, w->later_visibility},
                              .masks = {before->masks[b], w->later_mask}};
   flicker_add(&w->results[b].flicker, &pair);
@@ -179,11 +189,12 @@ static int compare_with(walk *w, uint32_t index, uint32_t b, const path_frame *b
 
 static int draw_frame(walk *w, uint32_t index, uint32_t b, path_frame *frame, const path_frame *before) {
   const camera *from = &w->path->cameras[index];
-  int code = stage_draw_from(&w->stages[b], from, &w->path->lights[index], &frame->bindings[b]);
+  csm_binding binding;
+  int code = stage_draw_from(&w->stages[b], from, &w->path->lights[index], &binding);
   if (code == 0 && before)
-    code = compare_with(w, index, b, before, &frame->bindings[b]);
+    code = compare_with(w, index, b, before);
   if (code == 0)
-    code = stage_mask(&w->stages[b], from, frame->masks[b], w->camera_depth);
+    code = stage_mask(&w->stages[b], from, frame->masks[b], w->camera_depth, frame->cascades[b]);
   if (code)
     return code;
   const metrics_frame drawn = {.view = &frame->view,

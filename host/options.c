@@ -4,6 +4,7 @@
 #include "host.h"
 #include "linear.h"
 #include "parse.h"
+#include "presets.h"
 #include "truth.h"
 #include <math.h>
 #include <string.h>
@@ -19,33 +20,40 @@ static const char help[] =
     "  csm-host bench  [options]   time the depth pass of each backend against a bare loop, in turn\n"
     "  csm-host report [options]   sweep configurations: a page on error against time, DIR/report.html and .json\n"
     "  csm-host view   [options]   fly through the scene in a window; H there tells the keys\n"
-    "  csm-host config             every key of a configuration with its unit, range and default, as JSON\n"
+    "  csm-host config             every key of a configuration with its unit, range and default, as JSON; with\n"
+    "                              --preset or --config, that configuration\n"
+    "  csm-host presets            every preset: what it is, where it was read, what was taken where nothing is said\n"
     "  csm-host --help\n"
     "\n"
-    "  --scene NAME|FILE           valley (default), town, oaks, or a .gltf or .glb file; report: any number of them,\n"
-    "                              one --scene each; if none is named, valley, town and, where they are there, oaks\n"
+    "  --scene NAME|FILE           valley (default), town, oaks, or a .gltf or .glb file; report and measure "
+    "--presets:\n"
+    "                              any number of them, one --scene each; report: if none is named, valley, town and, "
+    "where they are there, oaks\n"
     "  --camera px,py,pz:tx,ty,tz:vfov_deg[:near:far]   or a JSON file like a dump's frame.json\n"
     "  --light x,y,z[:disc_deg]    the way the light travels, and the sun's apparent diameter\n"
     "  --shadow-distance m         view depth up to which shadows matter\n"
     "  --size WxH                  pixels; 1280x720\n"
     "  --config FILE.json          keys as `csm-host config` lists them; the rest keeps its default\n"
-    "  --preset NAME               a configuration by name (there are none in this version)\n"
+    "  --preset NAME               a configuration by name, as `csm-host presets` lists them; --config goes over it\n"
+    "  --presets all|LIST          measure: compares these with the configuration: a table of errors and times\n"
     "  --backend vulkan|d3d12|both both is the default\n"
     "  --device NAME               part of the device's name\n"
-    "  --out DIR                   run: where lit, mask, cascades, maps and difference.png go; out. Where the "
-    "backends\n"
-    "                              differ, the second one's pictures lie beside them, with its name before each\n"
+    "  --out DIR                   run: where lit, mask, cascades, density, maps, frusta, culled and\n"
+    "                              difference.png go; out. Where the backends differ, the\n"
+    "                              second one's pictures lie beside them, with its name before each\n"
     "  --json FILE|-               the numbers as JSON\n"
     "  --dump DIR                  geometry, matrices, maps and masks of each backend\n"
     "  --cache DIR                 measure, report: where truths are kept; $XDG_CACHE_HOME/csm or ~/.cache/csm\n"
     "  --camera-path FILE          measure: a JSON list of cameras, each as --camera takes them (text, or an object\n"
     "                              like frame.json's), drawn one after the other\n"
-    "  --light-path FILE           measure: likewise, of lights\n"
+    "  --light-path FILE|day:N     measure: likewise, of lights; N of a day and a night\n"
     "  --sun-samples N             measure, report: rays to a soft sun for each pixel, 4 to 4096; 256\n"
-    "  --quick                     bench, report: 5 pairs instead of 31; report: 1, 2 and 4 maps of 512 to 2048\n"
+    "  --quick                     bench, report, measure --presets: 5 pairs instead of 31; report: 1, 2 and 4 maps of "
+    "512 to 2048\n"
     "  --cascades LIST             report: numbers of maps; 1,2,3,4,5,6,7,8\n"
     "  --resolutions LIST          report: texels a side; 512,1024,2048,4096\n"
-    "  --minutes M                 report: after one round of all it draws again only while that ends in time; 30\n"
+    "  --minutes M                 report, measure --presets: after one round of all it draws again only while that "
+    "ends in time; 30\n"
     "  --frames N --keys TEXT      view: N frames, a key of TEXT pressed in each ('.' is none); saves view.png\n"
     "\n"
     "Exit codes: 0 the backends agree, 1 they differ, 2 bad input, 3 no device or backend.\n";
@@ -112,8 +120,39 @@ static int parse_frames(host_options *out, const char *value) {
 }
 
 static int parse_preset(host_options *out, const char *value) {
-  (void)out;
-  return host_fail(HOST_BAD_INPUT, "--preset: no preset is called '%s'; there are none in this version", value);
+  out->preset = preset_find("--preset", value);
+  return out->preset ? 0 : HOST_BAD_INPUT;
+}
+
+static int add_preset(host_options *out, const char *name) {
+  const char *found = preset_find("--presets", name);
+  if (!found)
+    return HOST_BAD_INPUT;
+  for (uint32_t i = 0; i < out->preset_count; i++)
+    if (out->presets[i] == found)
+      return host_fail(HOST_BAD_INPUT, "--presets: '%s' is named twice", name);
+  if (out->preset_count == OPTIONS_MAX_PRESETS)
+    return host_fail(HOST_BAD_INPUT, "--presets: more than %d", OPTIONS_MAX_PRESETS);
+  out->presets[out->preset_count++] = found;
+  return 0;
+}
+
+static int parse_presets(host_options *out, const char *value) {
+  const bool all = strcmp(value, "all") == 0;
+  char names[1024], *rest = NULL;
+  int code = 0;
+  out->preset_count = 0;
+  for (uint32_t i = 0; all && code == 0 && preset_name(i); i++)
+    code = add_preset(out, preset_name(i));
+  if (all || code)
+    return code;
+  if ((size_t)snprintf(names, sizeof names, "%s", value) >= sizeof names)
+    return host_fail(HOST_BAD_INPUT, "--presets: too long");
+  const char *name = strtok_r(names, ",", &rest);
+  do
+    code = add_preset(out, name ? name : "");
+  while (code == 0 && (name = strtok_r(NULL, ",", &rest)));
+  return code;
 }
 
 static int parse_sun_samples(host_options *out, const char *value) {
@@ -182,6 +221,7 @@ static int parse_option(host_options *out, const char *name, const char *value) 
                           {"--size", parse_picture_size, NULL},
                           {"--config", NULL, &out->config_file},
                           {"--preset", parse_preset, NULL},
+                          {"--presets", parse_presets, NULL},
                           {"--backend", parse_backend, NULL},
                           {"--device", NULL, &out->device},
                           {"--out", NULL, &out->out},
@@ -211,14 +251,15 @@ static int parse_option(host_options *out, const char *name, const char *value) 
 
 static int parse_command(host_options *out, const char *name) {
   static const char *const names[] = {
-      [COMMAND_CONFIG] = "config", [COMMAND_RUN] = "run",       [COMMAND_MEASURE] = "measure",
-      [COMMAND_BENCH] = "bench",   [COMMAND_REPORT] = "report", [COMMAND_VIEW] = "view"};
+      [COMMAND_CONFIG] = "config", [COMMAND_PRESETS] = "presets", [COMMAND_RUN] = "run",  [COMMAND_MEASURE] = "measure",
+      [COMMAND_BENCH] = "bench",   [COMMAND_REPORT] = "report",   [COMMAND_VIEW] = "view"};
   for (int i = COMMAND_CONFIG; i <= COMMAND_VIEW; i++)
     if (strcmp(name, names[i]) == 0) {
       out->command = (host_command)i;
       return 0;
     }
-  return host_fail(HOST_BAD_INPUT, "unknown command '%s' (run, measure, bench, report, view, config, --help)", name);
+  return host_fail(HOST_BAD_INPUT, "unknown command '%s' (run, measure, bench, report, view, config, presets, --help)",
+                   name);
 }
 
 /* What a report sweeps if nothing else is said. */
@@ -260,6 +301,10 @@ int options_parse(host_options *out, int count, char **arguments) {
   }
   complete_sweep(out);
   return code;
+}
+
+const char *options_base_name(const host_options *options) {
+  return options->config_file ? "--config" : options->preset ? options->preset : "default";
 }
 
 /* ---- setting up ---- */
@@ -330,7 +375,7 @@ int setup_load(host_setup *out, const host_options *options) {
   out->shadow_distance = options->has_shadow_distance ? options->shadow_distance : out->scene.shadow_distance;
   code = setup_camera(out, options);
   if (code == 0)
-    code = config_load(&out->config, options->config_file, out->shadow_distance);
+    code = config_load(&out->config, options->preset, options->config_file, out->shadow_distance);
   return code;
 }
 

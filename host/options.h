@@ -11,6 +11,7 @@
 typedef enum host_command {
   COMMAND_HELP,
   COMMAND_CONFIG,
+  COMMAND_PRESETS,
   COMMAND_RUN,
   COMMAND_MEASURE,
   COMMAND_BENCH,
@@ -21,6 +22,7 @@ typedef enum host_command {
 #define HOST_BACKENDS 2
 #define OPTIONS_MAX_SCENES 16
 #define OPTIONS_MAX_LIST 16
+#define OPTIONS_MAX_PRESETS 64
 
 /* Whole numbers, each once. */
 typedef struct options_list {
@@ -36,7 +38,8 @@ typedef struct host_options {
   scene_light light;
   double shadow_distance;
   uint32_t width, height;
-  const char *config_file;                /* NULL: the default configuration */
+  const char *config_file;                /* what it says goes over the preset; NULL: nothing */
+  const char *preset;                     /* its name as presets have it; NULL: the default configuration */
   bool backends[HOST_BACKENDS];           /* which of host_backend_names */
   const char *device;                     /* part of a device's name, or NULL */
   const char *out;                        /* folder for pictures */
@@ -48,9 +51,11 @@ typedef struct host_options {
   bool quick;                             /* bench, report: fewer pairs */
   const char *scenes[OPTIONS_MAX_SCENES]; /* report: all that were named */
   uint32_t scene_count;
-  options_list cascades, resolutions; /* report: what is swept */
-  double minutes;                     /* report: when to stop drawing again */
-  char **arguments;                   /* the command line itself */
+  options_list cascades, resolutions;       /* report: what is swept */
+  const char *presets[OPTIONS_MAX_PRESETS]; /* measure: what is compared, by name, each once */
+  uint32_t preset_count;
+  double minutes;   /* report, measure: when to stop drawing again */
+  char **arguments; /* the command line itself */
   int argument_count;
   uint32_t frames;  /* view: how many before it ends by itself; 0: until it is closed */
   const char *keys; /* view: pressed by themselves, one a frame; "" for none */
@@ -61,6 +66,9 @@ extern const char *const host_backend_names[HOST_BACKENDS];
 /* 0, or HOST_BAD_INPUT after a message that names the option. */
 int options_parse(host_options *out, int count, char **arguments);
 void options_print_help(FILE *to);
+
+/* What to call the configuration that the options ask for. */
+const char *options_base_name(const host_options *options);
 
 /* A light as --light takes it. 0, or HOST_BAD_INPUT after a message. */
 int light_from_text(scene_light *out, const char *text, const json_source *from);

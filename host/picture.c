@@ -77,7 +77,8 @@ static void shade(float out[3], const picture_view *view, const trace_surface *s
   }
 }
 
-typedef void (*tint_function)(float color[3], const trace_surface *surface, const void *data);
+/* Changes the colour of pixel `at`. */
+typedef void (*tint_function)(float color[3], size_t at, const void *data);
 
 static void lit_with_tint(image *out, const picture_view *view, const float *mask, tint_function tint,
                           const void *data) {
@@ -91,7 +92,7 @@ static void lit_with_tint(image *out, const picture_view *view, const float *mas
       shade(light, view, &view->surfaces[at], sun, mask[at]);
       tone_map(color, light);
       if (tint)
-        tint(color, &view->surfaces[at], data);
+        tint(color, at, data);
       image_set(out, x, y, color);
     }
 }
@@ -100,23 +101,46 @@ void picture_lit(image *out, const picture_view *view, const float *mask) {
   lit_with_tint(out, view, mask, NULL, NULL);
 }
 
-static void tint_cascade(float color[3], const trace_surface *surface, const void *data) {
-  static const float colors[CSM_MAX_CASCADES][3] = {{1.0f, 0.25f, 0.2f}, {0.25f, 0.9f, 0.3f},  {0.3f, 0.45f, 1.0f},
-                                                    {1.0f, 0.85f, 0.2f}, {0.95f, 0.35f, 1.0f}, {0.25f, 0.95f, 0.95f},
-                                                    {1.0f, 0.6f, 0.25f}, {0.75f, 0.75f, 0.75f}};
-  const csm_binding *binding = data;
-  uint32_t cascade = 0;
-  while (cascade < binding->cascade_count && surface->view_depth > binding->cascades[cascade].far_depth)
-    cascade++;
-  if (surface->view_depth < 0.0 || cascade == binding->cascade_count)
-    return;
-  const float grey = 0.25f * color[0] + 0.6f * color[1] + 0.15f * color[2];
-  for (int i = 0; i < 3; i++)
-    color[i] = 0.3f * color[i] + 1.1f * grey * colors[cascade][i];
+const float picture_cascade_colors[CSM_MAX_CASCADES][3] = {
+    {1.0f, 0.12f, 0.1f}, {0.12f, 0.8f, 0.15f}, {0.15f, 0.35f, 1.0f}, {1.0f, 0.75f, 0.05f},
+    {0.9f, 0.2f, 0.9f},  {0.1f, 0.85f, 0.9f},  {1.0f, 0.42f, 0.08f}, {0.55f, 0.9f, 0.6f}};
+
+static float luminance(const float color[3]) {
+  return 0.25f * color[0] + 0.6f * color[1] + 0.15f * color[2];
 }
 
-void picture_cascades(image *out, const picture_view *view, const float *mask, const csm_binding *binding) {
-  lit_with_tint(out, view, mask, tint_cascade, binding);
+static void tint_cascade(float color[3], size_t at, const void *data) {
+  const float *cascades = data;
+  const long cascade = lroundf(cascades[at] * 255.0f) - 1;
+  const float grey = luminance(color);
+  for (int i = 0; i < 3; i++)
+    color[i] = cascade >= 0 && cascade < CSM_MAX_CASCADES
+                   ? 0.15f * color[i] + (0.06f + 1.15f * grey) * picture_cascade_colors[cascade][i]
+                   : 0.8f * grey;
+}
+
+void picture_cascades(image *out, const picture_view *view, const float *mask, const float *cascades) {
+  lit_with_tint(out, view, mask, tint_cascade, cascades);
+}
+
+static void tint_density(float color[3], size_t at, const void *data) {
+  static const float one[3] = {1.0f, 1.0f, 1.0f}, few[3] = {0.02f, 0.12f, 1.0f}, many[3] = {1.0f, 0.04f, 0.02f};
+  static const float none[3] = {0.03f, 0.03f, 0.035f};
+  const float *density = data, value = density[at] * 255.0f;
+  const float doublings = (value - 128.0f) / 16.0f, share = fminf(fabsf(doublings) / 3.0f, 1.0f);
+  const float *end = doublings < 0.0f ? few : many;
+  const float light = 0.45f + 0.55f * fminf(2.0f * luminance(color), 1.0f);
+  for (int i = 0; i < 3; i++)
+    color[i] = value < 0.5f ? none[i] : light * (one[i] + (end[i] - one[i]) * share);
+}
+
+void picture_density(image *out, const picture_view *view, const float *density) {
+  const size_t pixels = (size_t)view->width * view->height;
+  float *lit = host_allocate(pixels, sizeof *lit);
+  for (size_t i = 0; i < pixels; i++)
+    lit[i] = 1.0f; /* shadows would be taken for another colour */
+  lit_with_tint(out, view, lit, tint_density, density);
+  free(lit);
 }
 
 void picture_mask(image *out, const picture_view *view, const float *mask) {
@@ -213,10 +237,10 @@ static void draw_cross(image *picture, uint32_t x, uint32_t y, const float color
   }
 }
 
-static void tint_grey(float color[3], const trace_surface *surface, const void *data) {
-  (void)surface;
+static void tint_grey(float color[3], size_t at, const void *data) {
+  (void)at;
   (void)data;
-  const float grey = 0.12f + 0.5f * (0.25f * color[0] + 0.6f * color[1] + 0.15f * color[2]);
+  const float grey = 0.12f + 0.5f * luminance(color);
   color[0] = color[1] = color[2] = grey;
 }
 

@@ -18,8 +18,14 @@ typedef struct picture_view {
 
 /* The scene in sun and sky; `mask` (visibility, top row first) decides where the sun comes through. */
 void picture_lit(image *out, const picture_view *view, const float *mask);
-/* The same, each cascade in a colour of its own. */
-void picture_cascades(image *out, const picture_view *view, const float *mask, const csm_binding *binding);
+/* Linear, of each cascade, in every picture. */
+extern const float picture_cascade_colors[CSM_MAX_CASCADES][3];
+/* The same, each pixel in its cascade's colour, which `cascades` holds as CSM_VIEW_CASCADE gives it; grey where there
+ * is none. */
+void picture_cascades(image *out, const picture_view *view, const float *mask, const float *cascades);
+/* Texels for each pixel, as CSM_VIEW_DENSITY gives them: white is one, blue fewer, to an eighth, red more, to eight;
+ * dark where there are none. */
+void picture_density(image *out, const picture_view *view, const float *density);
 /* Visibility: white lit, black shadowed; the sky is blue. */
 void picture_mask(image *out, const picture_view *view, const float *mask);
 /* Depth maps side by side, nearest the light brightest, each stretched to its own range; texels without a caster are

@@ -51,7 +51,7 @@ static void make_head(report *r) {
   json_object_set_new(r->head, "command", json_string(command));
   json_object_set_new(r->head, "quick", json_boolean(options->quick));
   json_object_set_new(r->head, "minutes", json_real(options->minutes));
-  json_object_set_new(r->head, "own_base", json_boolean(options->config_file != NULL));
+  json_object_set_new(r->head, "base_name", json_string(options_base_name(options)));
   json_object_set_new(r->head, "machine", report_machine_to_json());
   json_object_set_new(r->head, "load_at_start", report_machine_load());
   json_object_set_new(r->head, "left_out", json_array());
@@ -131,13 +131,13 @@ static void print_choice(FILE *to, const report_scene *s, const char *what, uint
   json_decref(config);
 }
 
-static void print_scene(FILE *to, const report_scene *s, bool own_base) {
+static void print_scene(FILE *to, const report_scene *s, const char *base) {
   const report_verdict *v = &s->verdicts[0];
   fprintf(to, "%s, %s: %u configurations, %u round%s, %.0f s\n", s->setup.scene.name, s->stages[0].backend,
           s->sweep.count, s->sweep.rounds, s->sweep.rounds == 1 ? "" : "s", s->seconds);
   print_choice(to, s, "best value", v->knee);
   print_choice(to, s, "least error", v->least_error);
-  print_choice(to, s, own_base ? "--config" : "default", s->sweep.base);
+  print_choice(to, s, base, s->sweep.base);
 }
 
 /* ---- doing it ---- */
@@ -178,7 +178,7 @@ static int add_scene(report *r, uint32_t i) {
   note_backends(r, s);
   json_array_append_new(r->full, report_scene_to_json(s));
   json_array_append_new(r->page, report_scene_to_page(s));
-  print_scene(output_table(&options), s, options.config_file != NULL);
+  print_scene(output_table(&options), s, options_base_name(&options));
   report_scene_close(s);
   return 0;
 }

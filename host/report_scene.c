@@ -6,7 +6,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define QUICK_ROUNDS 5u
 #define PICTURE_WIDTH 640u
 
 /* ---- judging ---- */
@@ -114,30 +113,44 @@ static int open_stages(report_scene *s, const host_options *options) {
   return code;
 }
 
-int report_scene_run(report_scene *out, const host_options *options, double deadline_ms) {
-  const double begun = host_now_ms();
-  *out = (report_scene){0};
+int report_scene_open(report_scene *out, const host_options *options) {
+  *out = (report_scene){.begun_ms = host_now_ms()};
   int code = setup_load(&out->setup, options);
   if (code == 0)
     code = truth_store_open(&out->store, &out->setup.scene, true, options->cache);
   if (code == 0)
     code = truth_frame_cast(&out->truth, &out->store, &out->setup, options->sun_samples);
-  if (code == 0)
-    code = open_stages(out, options);
+  return code ? code : open_stages(out, options);
+}
+
+static report_studio studio_of(report_scene *s) {
+  return (report_studio){.setup = &s->setup,
+                         .truth = &s->truth,
+                         .stages = s->stages,
+                         .references = s->references,
+                         .stage_count = s->stage_count};
+}
+
+int report_scene_sweep(report_scene *s, const host_options *options, double deadline_ms) {
+  const report_studio studio = studio_of(s);
+  const int code =
+      report_sweep_run(&s->sweep, &studio, options->quick ? REPORT_QUICK_ROUNDS : REPORT_MAX_ROUNDS, deadline_ms);
+  s->seconds = (host_now_ms() - s->begun_ms) * 1e-3;
+  return code;
+}
+
+int report_scene_run(report_scene *out, const host_options *options, double deadline_ms) {
+  int code = report_scene_open(out, options);
   if (code)
     return code;
-  const report_studio studio = {.setup = &out->setup,
-                                .truth = &out->truth,
-                                .stages = out->stages,
-                                .references = out->references,
-                                .stage_count = out->stage_count};
   report_sweep_make(&out->sweep, options, &out->setup.config);
-  code = report_sweep_run(&out->sweep, &studio, options->quick ? QUICK_ROUNDS : REPORT_MAX_ROUNDS, deadline_ms);
+  code = report_scene_sweep(out, options, deadline_ms);
   if (code == 0) {
+    const report_studio studio = studio_of(out);
     judge(out);
     code = take_pictures(out, &studio);
   }
-  out->seconds = (host_now_ms() - begun) * 1e-3;
+  out->seconds = (host_now_ms() - out->begun_ms) * 1e-3;
   return code;
 }
 

@@ -26,9 +26,13 @@ typedef struct report_scene {
   char *truth_picture; /* data URI */
   report_picture pictures[REPORT_PICTURES];
   uint32_t picture_count;
-  double seconds; /* that it all took */
+  double begun_ms, seconds; /* when it began, and what it all took */
 } report_scene;
 
+/* Loads options->scene, casts its truth, and opens devices. As report_scene_run. */
+int report_scene_open(report_scene *out, const host_options *options);
+/* Runs the sweep that has been made for it, until deadline_ms at the latest. 0, or a code after a message. */
+int report_scene_sweep(report_scene *s, const host_options *options, double deadline_ms);
 /*
  * Loads options->scene, casts its truth, sweeps until deadline_ms (host_now_ms) at the latest, and judges. 0, or a code
  * after a message; report_scene_free is allowed in both cases.

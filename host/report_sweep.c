@@ -1,6 +1,8 @@
 #include "report_sweep.h"
 #include "compare.h"
+#include "config_json.h"
 #include "host.h"
+#include "plan/plan.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -18,25 +20,45 @@ static uint32_t count_values(const char *name) {
   return count;
 }
 
-static void add_shape(report_sweep *out, const csm_config *base, uint32_t cascades, uint32_t resolution) {
+static uint32_t count_ways(void) {
+  return count_values("filter") * count_values("bias_mode");
+}
+
+/* The base with another filter and bias mode. False where they contradict each other, or what else the base says. */
+static bool change_way(csm_config *out, const csm_config *base, uint32_t way) {
   const uint32_t bias_modes = count_values("bias_mode");
-  for (uint32_t i = 0; i < out->per_shape; i++) {
-    csm_config *config = &out->points[out->count].config;
-    *config = *base;
-    config->cascade_count = cascades;
-    config->resolution = resolution;
-    config->filter = i / bias_modes;
-    config->bias_mode = i % bias_modes;
-    if (memcmp(config, base, sizeof *base) == 0)
+  const char *error;
+  *out = *base;
+  out->filter = way / bias_modes;
+  out->bias_mode = way % bias_modes;
+  return plan_config_check(out, &error) == CSM_SUCCESS;
+}
+
+static uint32_t count_sound_ways(const csm_config *base) {
+  csm_config unused;
+  uint32_t count = 0;
+  for (uint32_t way = 0; way < count_ways(); way++)
+    count += change_way(&unused, base, way);
+  return count;
+}
+
+static void add_shape(report_sweep *out, const csm_config *base, uint32_t cascades, uint32_t resolution) {
+  for (uint32_t way = 0; way < count_ways(); way++) {
+    csm_config config;
+    if (!change_way(&config, base, way))
+      continue;
+    config.cascade_count = cascades;
+    config.resolution = resolution;
+    if (memcmp(&config, base, sizeof *base) == 0)
       out->base = out->count;
-    out->count++;
+    out->points[out->count++].config = config;
   }
 }
 
 void report_sweep_make(report_sweep *out, const host_options *options, const csm_config *base) {
   const uint32_t shapes = options->cascades.count * options->resolutions.count + 1;
   bool has_base = false;
-  *out = (report_sweep){.per_shape = count_values("filter") * count_values("bias_mode")};
+  *out = (report_sweep){.per_shape = count_sound_ways(base)};
   out->points = host_allocate((size_t)shapes * out->per_shape, sizeof *out->points);
   for (uint32_t c = 0; c < options->cascades.count; c++)
     for (uint32_t r = 0; r < options->resolutions.count; r++) {
@@ -46,6 +68,23 @@ void report_sweep_make(report_sweep *out, const host_options *options, const csm
     }
   if (!has_base)
     add_shape(out, base, base->cascade_count, base->resolution);
+}
+
+int report_sweep_make_presets(report_sweep *out, const host_options *options, const host_setup *setup) {
+  const char *base = options_base_name(options);
+  *out = (report_sweep){.per_shape = 1, .count = 1};
+  out->points = host_allocate(options->preset_count + 1, sizeof *out->points);
+  out->points[0].config = setup->config;
+  out->points[0].name = base;
+  int code = 0;
+  for (uint32_t i = 0; code == 0 && i < options->preset_count; i++) {
+    if (strcmp(options->presets[i], base) == 0)
+      continue;
+    report_point *point = &out->points[out->count++];
+    point->name = options->presets[i];
+    code = config_load(&point->config, point->name, NULL, setup->shadow_distance);
+  }
+  return code;
 }
 
 void report_sweep_free(report_sweep *sweep) {

@@ -6,6 +6,7 @@
 #include "truth_frame.h"
 
 #define REPORT_MAX_ROUNDS 31u /* as many as a comparison takes by its definition in docs/accuracy.md */
+#define REPORT_QUICK_ROUNDS 5u
 
 /* REPORT_SHADOW_MS is what shadows take of a frame: plan, record, maps and mask. */
 typedef enum report_time {
@@ -20,6 +21,7 @@ typedef enum report_time {
 /* One configuration, and what each backend made of it. */
 typedef struct report_point {
   csm_config config;
+  const char *name; /* of a preset, or NULL */
   uint64_t map_bytes;
   uint64_t differing; /* pixels whose masks differ between backends by more than they may */
   metrics metrics[HOST_BACKENDS];
@@ -36,10 +38,15 @@ typedef struct report_sweep {
 } report_sweep;
 
 /*
- * Every combination of the options' cascade counts and resolutions with every filter and bias mode there is; the rest,
- * and one more shape if it is not among them, is `base`'s.
+ * Every combination of the options' cascade counts and resolutions with every filter and bias mode that go together;
+ * the rest, and one more shape if it is not among them, is `base`'s.
  */
 void report_sweep_make(report_sweep *out, const host_options *options, const csm_config *base);
+/*
+ * The options' presets, each a shape of its own, with the scene's shadow distance where they leave it open, after the
+ * setup's own configuration, which is the base. 0, or HOST_BAD_INPUT after a message.
+ */
+int report_sweep_make_presets(report_sweep *out, const host_options *options, const host_setup *setup);
 void report_sweep_free(report_sweep *sweep);
 
 /* What draws a scene, and what it is measured against. */

@@ -6,6 +6,7 @@
 #include "host.h"
 #include "output.h"
 #include "picture.h"
+#include "picture_outside.h"
 #include "stage.h"
 #include <inttypes.h>
 #include <stdlib.h>
@@ -41,6 +42,8 @@ static int draw_all(run *r) {
     int code = stage_load(&r->stages[i], &r->setup);
     if (code == 0)
       code = stage_capture(&r->stages[i], &r->frames[i]);
+    if (code == 0)
+      code = stage_read_views(&r->stages[i], &r->frames[i]);
     host_progress("");
     if (code)
       return code;
@@ -200,25 +203,43 @@ static int save(image *picture, const char *folder, const char *prefix, const ch
   return code;
 }
 
+/* What stands outside and looks at the camera and the cascades. */
+static int save_outside(const run *r, const picture_view *view, const stage_frame *frame, const char *prefix) {
+  outside_view outside;
+  image picture;
+  int code = outside_view_make(&outside, view, &frame->binding);
+  if (code == 0) {
+    picture_frusta(&picture, &outside);
+    code = save(&picture, r->options->out, prefix, "frusta");
+  }
+  if (code == 0) {
+    picture_culled(&picture, &outside, frame->casters);
+    code = save(&picture, r->options->out, prefix, "culled");
+  }
+  outside_view_free(&outside);
+  return code;
+}
+
 /* The pictures of one backend; `prefix` keeps two apart. */
 static int save_frame(const run *r, const picture_view *view, const stage_frame *frame, const char *prefix) {
-  const char *folder = r->options->out;
-  image picture;
-  picture_lit(&picture, view, frame->mask);
-  int code = save(&picture, folder, prefix, "lit");
-  if (code)
-    return code;
-  picture_mask(&picture, view, frame->mask);
-  code = save(&picture, folder, prefix, "mask");
-  if (code)
-    return code;
-  picture_cascades(&picture, view, frame->mask, &frame->binding);
-  code = save(&picture, folder, prefix, "cascades");
-  if (code)
-    return code;
-  picture_maps(&picture, (const float *const *)frame->maps, frame->binding.cascade_count, frame->binding.resolutions,
-               r->setup.config.map_reversed);
-  return save(&picture, folder, prefix, "maps");
+  static const char *const names[] = {"lit", "mask", "cascades", "density", "maps"};
+  int code = 0;
+  for (int i = 0; i < 5 && code == 0; i++) {
+    image picture;
+    if (i == 0)
+      picture_lit(&picture, view, frame->mask);
+    else if (i == 1)
+      picture_mask(&picture, view, frame->mask);
+    else if (i == 2)
+      picture_cascades(&picture, view, frame->mask, frame->views[CSM_VIEW_CASCADE - 1]);
+    else if (i == 3)
+      picture_density(&picture, view, frame->views[CSM_VIEW_DENSITY - 1]);
+    else
+      picture_maps(&picture, (const float *const *)frame->maps, frame->binding.cascade_count,
+                   frame->binding.resolutions, r->setup.config.map_reversed);
+    code = save(&picture, r->options->out, prefix, names[i]);
+  }
+  return code ? code : save_outside(r, view, frame, prefix);
 }
 
 /*

@@ -1,5 +1,6 @@
 #include "stage.h"
 #include "host.h"
+#include "mesh_closed.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -46,8 +47,9 @@ static void describe_device(stage *s, const char *asked) {
 }
 
 /* `opacity`: of its material, or 0. */
-static csm_mesh_info describe_mesh(const scene *from, const scene_mesh *mesh, csm_opacity opacity) {
+static csm_mesh_info describe_mesh(const scene *from, const scene_mesh *mesh, csm_opacity opacity, bool closed) {
   csm_mesh_info info = {.struct_size = sizeof info,
+                        .flags = closed ? CSM_MESH_CLOSED : 0,
                         .positions = mesh->positions,
                         .vertex_count = mesh->vertex_count,
                         .indices = mesh->indices,
@@ -56,6 +58,7 @@ static csm_mesh_info describe_mesh(const scene *from, const scene_mesh *mesh, cs
                         .name = mesh->name};
   const scene_opacity *cut = scene_cut_out(from, mesh);
   if (cut) {
+    info.flags = CSM_MESH_TWO_SIDED; /* leaves are */
     info.opacity = opacity;
     info.uvs = mesh->uvs;
     info.alpha_cutoff = (float)fmin(cut->cutoff / cut->factor, 1.0);
@@ -68,8 +71,8 @@ static csm_result CSM_CALL supply_mesh(void *user, csm_mesh mesh, csm_mesh_info 
   const stage *s = user;
   for (size_t m = 0; m < s->setup->scene.mesh_count; m++)
     if (s->meshes[m] == mesh) {
-      *info =
-          describe_mesh(&s->setup->scene, &s->setup->scene.meshes[m], s->opacities[s->setup->scene.meshes[m].material]);
+      const scene_mesh *from = &s->setup->scene.meshes[m];
+      *info = describe_mesh(&s->setup->scene, from, s->opacities[from->material], s->closed[m]);
       return CSM_SUCCESS;
     }
   return CSM_ERROR_INVALID_HANDLE;
@@ -94,6 +97,7 @@ void stage_close(stage *s) {
   csm_destroy(s->context);
   free(s->meshes);
   free(s->opacities);
+  free(s->closed);
   free(s->instances);
   *s = (stage){0};
 }
@@ -121,13 +125,15 @@ static int upload_meshes(stage *s, const scene *from) {
   int code = 0;
   s->meshes = host_allocate(from->mesh_count, sizeof *s->meshes);
   s->opacities = host_allocate(from->material_count, sizeof *s->opacities);
+  s->closed = host_allocate(from->mesh_count, sizeof *s->closed);
   for (size_t m = 0; m < from->mesh_count && code == 0; m++) {
     const scene_mesh *mesh = &from->meshes[m];
     const scene_opacity *cut = scene_cut_out(from, mesh);
     csm_opacity *opacity = &s->opacities[mesh->material];
     if (cut && !*opacity)
       code = exit_code(upload_opacity(s, cut, opacity));
-    const csm_mesh_info info = describe_mesh(from, mesh, *opacity);
+    s->closed[m] = mesh_is_closed(mesh);
+    const csm_mesh_info info = describe_mesh(from, mesh, *opacity, s->closed[m]);
     if (code == 0)
       code = exit_code(csm_mesh_create(s->context, &info, &s->meshes[m]));
   }
@@ -249,6 +255,26 @@ int stage_read(stage *s, bool maps, stage_frame *out) {
   return code;
 }
 
+int stage_read_views(stage *s, stage_frame *out) {
+  const size_t pixels = (size_t)s->setup->width * s->setup->height, instances = s->setup->scene.instance_count;
+  int code = 0;
+  s->frame.flags = 0;
+  for (uint32_t i = 0; i < STAGE_VIEWS && code == 0; i++) {
+    const csm_mask_info info = {.struct_size = sizeof info,
+                                .frame = &s->frame,
+                                .width = s->setup->width,
+                                .height = s->setup->height,
+                                .view = CSM_VIEW_CASCADE + i};
+    code = exit_code(csm_resolve_mask(s->cascades, &info));
+    if (code == 0)
+      code = read_back(s, CSM_READ_MASK, 0, pixels, &out->views[i]);
+  }
+  if (code)
+    return code;
+  out->casters = host_allocate(instances, sizeof *out->casters);
+  return exit_code(csm_get_casters(s->cascades, (uint32_t)instances, out->casters));
+}
+
 int stage_capture(stage *s, stage_frame *out) {
   csm_stats timed[TIMED_FRAMES];
   *out = (stage_frame){0};
@@ -276,9 +302,9 @@ int stage_draw_from(stage *s, const camera *from, const scene_light *light, csm_
   return code ? code : exit_code(csm_bind(s->cascades, binding));
 }
 
-int stage_mask(stage *s, const camera *from, float *mask, float *camera_depth) {
+int stage_mask(stage *s, const camera *from, float *mask, float *camera_depth, float *cascades) {
   look_from(s, from);
-  const csm_mask_info info = {
+  csm_mask_info info = {
       .struct_size = sizeof info, .frame = &s->frame, .width = s->setup->width, .height = s->setup->height};
   const size_t pixels = (size_t)s->setup->width * s->setup->height;
   int code = exit_code(csm_resolve_mask(s->cascades, &info));
@@ -286,6 +312,11 @@ int stage_mask(stage *s, const camera *from, float *mask, float *camera_depth) {
     code = read_into(s, CSM_READ_MASK, 0, pixels, mask);
   if (code == 0 && camera_depth)
     code = read_into(s, CSM_READ_CAMERA_DEPTH, 0, pixels, camera_depth);
+  info.view = CSM_VIEW_CASCADE;
+  if (code == 0 && cascades)
+    code = exit_code(csm_resolve_mask(s->cascades, &info));
+  if (code == 0 && cascades)
+    code = read_into(s, CSM_READ_MASK, 0, pixels, cascades);
   return code;
 }
 
@@ -294,6 +325,9 @@ void stage_frame_free(stage_frame *frame) {
     free(frame->maps[k]);
   free(frame->mask);
   free(frame->camera_depth);
+  for (uint32_t i = 0; i < STAGE_VIEWS; i++)
+    free(frame->views[i]);
+  free(frame->casters);
   memset(frame, 0, sizeof *frame);
 }
 

@@ -13,9 +13,12 @@ typedef struct stage {
   csm_cascades *cascades;
   csm_mesh *meshes;
   csm_opacity *opacities; /* by material; 0: opaque */
+  bool *closed;           /* by mesh: mesh_is_closed */
   csm_instance *instances;
   csm_frame frame;
 } stage;
+
+enum { STAGE_VIEWS = 2 }; /* CSM_VIEW_CASCADE and CSM_VIEW_DENSITY, less 1 */
 
 /* What one frame left behind, in host memory. */
 typedef struct stage_frame {
@@ -23,6 +26,8 @@ typedef struct stage_frame {
   csm_stats stats;
   float *maps[CSM_MAX_CASCADES]; /* stage_map_texels each, top row first */
   float *mask, *camera_depth;    /* width * height, top row first */
+  float *views[STAGE_VIEWS];     /* likewise; NULL: not asked for */
+  uint8_t *casters;              /* by instance, as csm_get_casters tells; with the views */
 } stage_frame;
 
 /* Opens a device. 0, HOST_NO_DEVICE or HOST_BAD_INPUT after a message; stage_close is always allowed. */
@@ -49,13 +54,18 @@ int stage_draw(stage *s, csm_stats *stats);
  * stage_frame_free is always allowed. */
 int stage_read(stage *s, bool maps, stage_frame *out);
 
+/* Adds the views of what was drawn and read, and its casters. The mask on the device is a view afterwards. 0, or a code
+ * after a message. */
+int stage_read_views(stage *s, stage_frame *out);
+
 /* Draws the cascades for a camera and a light, and tells what they are. 0, or a code after a message. */
 int stage_draw_from(stage *s, const camera *from, const scene_light *light, csm_binding *binding);
 /*
  * Resolves the mask of what a camera sees, from the maps that were drawn last, which may have been drawn for another
- * camera, and reads it back. camera_depth may be NULL. Both hold width * height pixels. 0, or a code after a message.
+ * camera, and reads it back. camera_depth, and cascades, which
+ * gets CSM_VIEW_CASCADE, may be NULL. All hold width * height pixels. 0, or a code after a message.
  */
-int stage_mask(stage *s, const camera *from, float *mask, float *camera_depth);
+int stage_mask(stage *s, const camera *from, float *mask, float *camera_depth, float *cascades);
 
 /*
  * Draws the cascades and the mask with timestamps, after a frame that warms up; GPU times are the medians of three.

@@ -8,7 +8,9 @@
 #include "linear.h"
 #include "options.h"
 #include "parse.h"
+#include "presets.h"
 #include "scene.h"
+#include "plan/plan.h"
 #include "statistics.h"
 #include "trace.h"
 #include <math.h>
@@ -104,6 +106,10 @@ static void bad_options_are_refused(void **state) {
                                 {"run", "--size", "10"},
                                 {"run", "--backend", "metal"},
                                 {"run", "--preset", "nobody"},
+                                {"run", "--preset", "all"},
+                                {"measure", "--presets", ","},
+                                {"measure", "--presets", "low,nobody"},
+                                {"measure", "--presets", "low,low"},
                                 {"measure", "--sun-samples", "3"},
                                 {"measure", "--sun-samples", "8.5"},
                                 {"measure", "--sun-samples", "99999"},
@@ -232,17 +238,17 @@ static void configurations_are_read(void **state) {
   csm_config config, standard = {.struct_size = sizeof standard};
   csm_config_default(&standard);
   make_path(path, ".json");
-  assert_int_equal(config_load(&config, NULL, 77.0), 0);
+  assert_int_equal(config_load(&config, NULL, NULL, 77.0), 0);
   assert_true(config.shadow_distance == 77.0 && config.cascade_count == standard.cascade_count);
   write_text(path,
              "{\"cascade_count\": 3.0, \"filter\": \"pcf_2x2\", \"split_lambda\": 1, \"split_distances\": [1, 2.5]}");
-  assert_int_equal(config_load(&config, path, 77.0), 0);
+  assert_int_equal(config_load(&config, NULL, path, 77.0), 0);
   assert_int_equal(config.cascade_count, 3);
   assert_int_equal(config.filter, CSM_FILTER_PCF_2X2);
   assert_true(config.split_lambda == 1.0 && config.split_distances[1] == 2.5 && config.split_distances[2] == 0.0);
   assert_true(config.shadow_distance == 77.0);
   write_text(path, "{\"shadow_distance\": 12}");
-  assert_int_equal(config_load(&config, path, 77.0), 0);
+  assert_int_equal(config_load(&config, NULL, path, 77.0), 0);
   assert_true(config.shadow_distance == 12.0);
   const char *const bad[] = {"{\"nope\": 1}",
                              "{\"cascade_count\": \"3\"}",
@@ -255,8 +261,56 @@ static void configurations_are_read(void **state) {
                              "{\"cascade_count\": -1}"};
   for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
     write_text(path, bad[i]);
-    assert_int_equal(config_load(&config, path, 77.0), 2);
+    assert_int_equal(config_load(&config, NULL, path, 77.0), 2);
   }
+  unlink(path);
+}
+
+static void check_texts(const json_t *preset) {
+  const char *const keys[] = {"about", "read_in"};
+  for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++)
+    assert_true(json_string_length(json_object_get(preset, keys[i])) > 0);
+  const json_t *notes = json_object_get(preset, "notes");
+  assert_true(json_is_array(notes) && json_object_size(preset) == 4);
+  for (size_t i = 0; i < json_array_size(notes); i++)
+    assert_true(json_string_length(json_array_get(notes, i)) > 0);
+}
+
+static void presets_are_valid(void **state) {
+  (void)state;
+  json_t *listed = presets_to_json();
+  for (uint32_t i = 0; preset_name(i); i++) {
+    csm_config config;
+    const char *error = NULL;
+    json_t *preset = preset_load(i), *own = preset_config(preset_name(i));
+    assert_non_null(preset);
+    check_texts(preset);
+    assert_int_equal(config_load(&config, preset_name(i), NULL, 77.0), 0);
+    if (plan_config_check(&config, &error))
+      fail_msg("%s: %s", preset_name(i), error);
+    if (!json_object_get(own, "shadow_distance"))
+      assert_true(config.shadow_distance == 77.0);
+    assert_non_null(json_object_get(json_object_get(listed, preset_name(i)), "about"));
+    json_decref(own);
+    json_decref(preset);
+  }
+  json_decref(listed);
+}
+
+static void presets_are_found_by_name(void **state) {
+  (void)state;
+  char path[64];
+  csm_config config;
+  assert_null(preset_find("--preset", "nobody"));
+  const char *bevy = preset_find("--preset", "bevy");
+  assert_string_equal(bevy, "bevy");
+  make_path(path, ".json");
+  write_text(path, "{\"resolution\": 512}");
+  assert_int_equal(config_load(&config, bevy, path, 77.0), 0);
+  assert_true(config.resolution == 512 && config.shadow_distance == 150.0 && config.map_reversed);
+  json_t *bad = json_pack("{s:i}", "nope", 1);
+  assert_int_equal(config_read(&config, "--preset", bad), 2);
+  json_decref(bad);
   unlink(path);
 }
 
@@ -534,7 +588,7 @@ static twin *make_twin(void) {
   for (int i = 0; i < 2; i++) {
     t->stages[i].setup = &t->setup;
     t->frames[i].binding.cascade_count = 1;
-    t->frames[i].binding.resolution = 16;
+    t->frames[i].binding.resolution = t->frames[i].binding.resolutions[0] = 16;
     t->frames[i].maps[0] = t->maps[i];
     t->frames[i].mask = t->masks[i];
     t->frames[i].camera_depth = t->depths[i];
@@ -600,6 +654,8 @@ int main(void) {
       cmocka_unit_test(bad_poses_are_refused),
       cmocka_unit_test(a_camera_survives_json),
       cmocka_unit_test(configurations_are_read),
+      cmocka_unit_test(presets_are_valid),
+      cmocka_unit_test(presets_are_found_by_name),
       cmocka_unit_test(every_field_is_described),
       cmocka_unit_test(scenes_are_what_they_promise),
       cmocka_unit_test(solids_face_outwards),

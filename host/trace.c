@@ -134,6 +134,7 @@ static void fill_surface(const tracer *t, const struct RTCRayHit *found, trace_s
   const uint32_t index = found->hit.instID[0];
   const scene_instance *instance = &t->scene->instances[index];
   const scene_mesh *mesh = &t->scene->meshes[instance->mesh];
+  surface->instance = index;
   uint32_t corner[3];
   for (uint32_t i = 0; i < 3; i++)
     corner[i] = scene_index(mesh, 3 * found->hit.primID + i);

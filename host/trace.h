@@ -10,6 +10,7 @@ typedef struct trace_surface {
   float position[3]; /* relative to the camera's position */
   float normal[3];   /* unit, in the world, turned to the camera */
   float color[3];    /* linear */
+  uint32_t instance; /* of the scene; only where something was hit */
   float ray[3];      /* unit, in the world: the direction that this pixel looks */
 } trace_surface;
 

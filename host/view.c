@@ -1,7 +1,10 @@
 #include "view.h"
 #include "compare.h"
+#include "config_json.h"
 #include "host.h"
 #include "picture.h"
+#include "presets.h"
+#include "picture_outside.h"
 #include "stage.h"
 #include "view_camera.h"
 #include "view_surfaces.h"
@@ -17,14 +20,18 @@ static const double scripted_seconds = 0.1;
 
 static const char help[] = "  W A S D   fly; E and Q up and down; shift faster; drag the mouse to look around\n"
                            "  B         swap the backend\n"
-                           "  C         tint the cascades\n"
-                           "  M         show the maps\n"
+                           "  V         next view: lit, cascades, density, maps, frusta, culled\n"
+                           "  C         the cascades, and back\n"
+                           "  M         the maps, and back\n"
                            "  F         next filter\n"
                            "  R         next resolution\n"
                            "  1 to 8    so many cascades\n"
                            "  P         next preset\n"
                            "  H         this text\n"
                            "  Esc       leave\n";
+
+typedef enum shown { SHOW_LIT, SHOW_CASCADES, SHOW_DENSITY, SHOW_MAPS, SHOW_FRUSTA, SHOW_CULLED, SHOW_COUNT } shown;
+static const char *const shown_names[SHOW_COUNT] = {"lit", "cascades", "density", "maps", "frusta", "culled"};
 
 typedef struct view {
   const host_options *options;
@@ -36,7 +43,8 @@ typedef struct view {
   view_trace trace;
   trace_surface *surfaces; /* that are shown */
   bool colored;            /* those were cast by rays; else they come from the depth */
-  bool tint, maps;
+  uint32_t preset;         /* that P takes next */
+  shown shown;
   bool redraw, repaint;
   bool by_itself;  /* --frames */
   bool differs;    /* a swap has changed the mask */
@@ -59,7 +67,9 @@ static int draw(view *v) {
   int code = stage_draw(&v->stage, &stats);
   stage_frame_free(&v->frame);
   if (code == 0)
-    code = stage_read(&v->stage, v->maps, &v->frame);
+    code = stage_read(&v->stage, v->shown == SHOW_MAPS, &v->frame);
+  if (code == 0 && (v->shown == SHOW_CASCADES || v->shown == SHOW_DENSITY || v->shown == SHOW_CULLED))
+    code = stage_read_views(&v->stage, &v->frame);
   if (code)
     return code;
   v->frame.stats = stats;
@@ -83,12 +93,46 @@ static const char *filter_name(uint32_t filter) {
 static void describe(const view *v, char *text, size_t size) {
   const csm_config *config = &v->setup.config;
   const csm_stats *stats = &v->frame.stats;
-  snprintf(text, size, "%s on %s: %u x %u², %s: maps %.0f ms, mask %.0f ms; frame %.0f + %.0f ms", v->setup.scene.name,
-           v->stage.backend, config->cascade_count, config->resolution, filter_name(config->filter),
-           stage_depth_ms(stats), stats->camera_depth_gpu_ms + stats->mask_gpu_ms, v->draw_ms, v->picture_ms);
+  snprintf(text, size, "%s on %s: %u x %u², %s: maps %.0f ms, mask %.0f ms; frame %.0f + %.0f ms; %s",
+           v->setup.scene.name, v->stage.backend, config->cascade_count, config->resolution,
+           filter_name(config->filter), stage_depth_ms(stats), stats->camera_depth_gpu_ms + stats->mask_gpu_ms,
+           v->draw_ms, v->picture_ms, shown_names[v->shown]);
 }
 
-static void paint(view *v) {
+/* These cast rays from outside, which takes longer than the others. */
+static int make_outside(image *picture, const view *v, const picture_view *seen) {
+  outside_view outside;
+  const int code = outside_view_make(&outside, seen, &v->frame.binding);
+  if (code == 0 && v->shown == SHOW_FRUSTA)
+    picture_frusta(picture, &outside);
+  else if (code == 0)
+    picture_culled(picture, &outside, v->frame.casters);
+  outside_view_free(&outside);
+  return code;
+}
+
+static int make_picture(image *picture, const view *v, const picture_view *seen) {
+  switch (v->shown) {
+  case SHOW_CASCADES:
+    picture_cascades(picture, seen, v->frame.mask, v->frame.views[CSM_VIEW_CASCADE - 1]);
+    return 0;
+  case SHOW_DENSITY:
+    picture_density(picture, seen, v->frame.views[CSM_VIEW_DENSITY - 1]);
+    return 0;
+  case SHOW_MAPS:
+    picture_maps(picture, (const float *const *)v->frame.maps, v->frame.binding.cascade_count,
+                 v->frame.binding.resolutions, v->setup.config.map_reversed);
+    return 0;
+  case SHOW_FRUSTA:
+  case SHOW_CULLED:
+    return make_outside(picture, v, seen);
+  default:
+    picture_lit(picture, seen, v->frame.mask);
+    return 0;
+  }
+}
+
+static int paint(view *v) {
   const double start_ms = host_now_ms();
   const picture_view seen = {.scene = &v->setup.scene,
                              .light = &v->setup.light,
@@ -97,13 +141,9 @@ static void paint(view *v) {
                              .height = v->setup.height,
                              .surfaces = v->surfaces};
   image picture;
-  if (v->maps)
-    picture_maps(&picture, (const float *const *)v->frame.maps, v->frame.binding.cascade_count,
-                 v->frame.binding.resolutions, v->setup.config.map_reversed);
-  else if (v->tint)
-    picture_cascades(&picture, &seen, v->frame.mask, &v->frame.binding);
-  else
-    picture_lit(&picture, &seen, v->frame.mask);
+  const int code = make_picture(&picture, v, &seen);
+  if (code)
+    return code;
   view_window_show(v->window, &picture);
   image_free(&picture);
   v->picture_ms = host_now_ms() - start_ms;
@@ -113,6 +153,7 @@ static void paint(view *v) {
   describe(v, text, sizeof text);
   snprintf(title, sizeof title, "csm-host view: %s (H: help)", text);
   view_window_title(v->window, title);
+  return 0;
 }
 
 /* Takes the surfaces that were cast, if the camera is still where they were cast from. */
@@ -146,6 +187,16 @@ static void next_resolution(view *v) {
   csm_config wanted = v->setup.config;
   wanted.resolution = wanted.resolution < 4096 ? 2 * wanted.resolution : 512;
   configure(v, &wanted);
+}
+
+static void next_preset(view *v) {
+  csm_config wanted;
+  const char *name = preset_name(v->preset);
+  if (config_load(&wanted, name, NULL, v->setup.shadow_distance))
+    return;
+  printf("preset %s\n", name);
+  configure(v, &wanted);
+  v->preset = preset_name(v->preset + 1) ? v->preset + 1 : 0;
 }
 
 static void set_cascades(view *v, uint32_t count) {
@@ -182,17 +233,24 @@ static int swap_backend(view *v) {
   return code;
 }
 
+/* Drawn anew, because the last frame has been read for another view. */
+static void show(view *v, shown what) {
+  v->shown = what;
+  v->redraw = true;
+}
+
 static int press(view *v, char key) {
   switch (key) {
   case 'B':
     return swap_backend(v);
   case 'C':
-    v->tint = !v->tint;
-    v->repaint = true;
+    show(v, v->shown == SHOW_CASCADES ? SHOW_LIT : SHOW_CASCADES);
     break;
   case 'M':
-    v->maps = !v->maps;
-    v->redraw = true;
+    show(v, v->shown == SHOW_MAPS ? SHOW_LIT : SHOW_MAPS);
+    break;
+  case 'V':
+    show(v, (v->shown + 1) % SHOW_COUNT);
     break;
   case 'F':
     next_filter(v);
@@ -201,7 +259,7 @@ static int press(view *v, char key) {
     next_resolution(v);
     break;
   case 'P':
-    puts("there are no presets in this version");
+    next_preset(v);
     break;
   case 'H':
     fputs(help, stdout);
@@ -239,7 +297,7 @@ static int step(view *v, const view_input *input, double seconds) {
   if (view_trace_done(&v->trace))
     take_traced(v);
   if (code == 0 && v->repaint)
-    paint(v);
+    code = paint(v);
   return code;
 }
 
@@ -306,7 +364,7 @@ static int fly_by_itself(view *v) {
   }
   if (code == 0 && view_trace_begin(&v->trace, &v->setup.camera) && view_trace_wait(&v->trace)) {
     take_traced(v);
-    paint(v);
+    code = paint(v);
   }
   if (code == 0)
     code = save_window(v);
@@ -323,7 +381,7 @@ static int open_view(view *v, host_options *options) {
   int code = setup_load(&v->setup, options);
   if (code)
     return code;
-  if (!options->config_file)
+  if (!options->config_file && !options->preset)
     v->setup.config.resolution = 1024; /* like the size above: what a CPU draws fluently; keys change it */
   const uint32_t scale = v->setup.width <= 960 && v->setup.height <= 540 ? 2 : 1;
   code = view_window_open(&v->window, scale * v->setup.width, scale * v->setup.height);

@@ -103,6 +103,34 @@ def check_bad_input(folder, scene):
         expect_exit(2, word, *ours, "--config", write(folder / "bad.json", config))
 
 
+# ---- presets ----
+
+
+def answer(*arguments):
+    return json.loads(expect_exit(0, "", *arguments).stdout)
+
+
+def check_presets(folder, scene):
+    ours = ("run", *all_of_them, "--size", "16x16", "--out", folder / "out", "--scene", scene)
+    presets = answer("presets")
+    expect({"default", "bevy", "ogldev49-fixed"} < set(presets), presets.keys())
+    expect(all(p["about"] and p["read_in"] and "config" not in p for p in presets.values()), "what a preset is")
+    for command in ours, ("measure", "--scene", scene), ("config",), ("bench",), ("report",), ("view",):
+        done = expect_exit(2, "no preset is called 'nobody'", *command, "--preset", "nobody")
+        expect(all(name in done.stderr for name in presets), done.stderr)
+    expect_exit(2, "nobody", "measure", "--presets", "low,nobody")
+    expect_exit(2, "--camera-path", "measure", "--presets", "low", "--camera-path", "absent")
+    bevy = answer("config", "--preset", "bevy")
+    expect(bevy["shadow_distance"] == 150 and bevy["map_reversed"] == "on", bevy)
+    expect("shadow_distance" not in answer("config", "--preset", "low"), "the scene's distance is the scene's")
+    over = write(folder / "over.json", '{"resolution": 256}')
+    both = answer("config", "--config", over, "--preset", "bevy")
+    expect(both == dict(bevy, resolution=256), "a file goes over the preset, in either order")
+    expect(answer(*ours, "--preset", "bevy", "--config", over, "--json", "-")["config"] == both, "run's configuration")
+    again = write(folder / "again.json", json.dumps(bevy))
+    expect(answer("config", "--config", again) == bevy, "a preset that is told can be read again")
+
+
 # ---- machines and installations that lack something ----
 
 
@@ -232,9 +260,15 @@ def check_written(folder, scene):
     numbers = json.loads(done.stdout)
     expect([b["name"] for b in numbers["backends"]] == backends, "backends in the JSON")
     expect(len(backends) < 2 or (numbers["agreement"]["agrees"] and "AGREE" in done.stderr), "agreement")
-    for name in ("lit", "mask", "cascades", "maps", "difference") if len(backends) == 2 else ("lit", "mask"):
+    names = ("lit", "mask", "cascades", "density", "maps", "frusta", "culled")
+    for name in (*names, "difference") if len(backends) == 2 else names:
         data = (folder / f"out/{name}.png").read_bytes()
-        expect(data[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack(">II", data[16:24]) >= (96, 54), f"{name}.png")
+        size = (3 * 134 - 6, 128) if name == "maps" else (96, 54)
+        expect(data[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack(">II", data[16:24]) == size, f"{name}.png")
+        expect(len(data) > 1000, f"{name}.png is blank") # a plain one takes less
+    if len(backends) == 2:
+        expect(numbers["agreement"]["views"] == {"agree": True, "cascade_differing": 0, "density_differing": 0,
+                                                 "casters_equal": True}, numbers["agreement"])
     frame = dump.Dump(folder / "dump" / backends[0])
     check_frame(frame.frame)
     check_maps(frame)
@@ -252,6 +286,7 @@ with tempfile.TemporaryDirectory() as scratch:
     folder = pathlib.Path(scratch)
     write_scene(folder / "scene.gltf")
     check_bad_input(folder, folder / "scene.gltf")
+    check_presets(folder, folder / "scene.gltf")
     check_lacks(folder, folder / "scene.gltf")
     check_written(folder, folder / "scene.gltf")
 print(f"{checks} checks")

@@ -45,6 +45,7 @@ static void draw_cascade(pass_gpu gpu, const cascade_depth_pass *pass, uint32_t 
   gpu.api->pass_area(gpu.device, &(gpu_rect){.x = rect->x, .y = rect->y, .width = rect->side, .height = rect->side});
   draw_list(gpu, &(draw_list_info){.programs = pass->programs,
                                    .cull = pass->casters->cull,
+                                   .skip_hidden = true,
                                    .list = list,
                                    .meshes = pass->meshes,
                                    .matrices = pass->matrices,

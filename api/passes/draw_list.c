@@ -6,9 +6,11 @@ enum { row_bytes = 4 * sizeof(float) };
 
 /* Faces that are left out of a draw: a mirrored instance shows its front faces as back ones. */
 static gpu_cull draw_cull(const draw_list_info *info, const plan_draw *draw) {
-  if (info->cull == GPU_CULL_NONE || info->meshes[draw->mesh].two_sided)
+  const pass_mesh *mesh = &info->meshes[draw->mesh];
+  const gpu_cull cull = info->cull == GPU_CULL_NONE && mesh->closed && info->skip_hidden ? GPU_CULL_BACK : info->cull;
+  if (cull == GPU_CULL_NONE || mesh->two_sided)
     return GPU_CULL_NONE;
-  const bool front = (info->cull == GPU_CULL_FRONT) != (draw->mirrored != 0);
+  const bool front = (cull == GPU_CULL_FRONT) != (draw->mirrored != 0);
   return front ? GPU_CULL_FRONT : GPU_CULL_BACK;
 }
 

@@ -7,6 +7,7 @@
 typedef struct draw_list_info {
   gpu_program *const *const *programs; /* by gpu_cull, then by pass_mesh.programs */
   gpu_cull cull;                       /* of meshes that are not two-sided; mirrored ones have it turned around */
+  bool skip_hidden;                    /* back faces of closed meshes are left out */
   const plan_list *list;
   const pass_mesh *meshes;
   gpu_buffer *matrices; /* `rows` float4 rows each from `offset` on, in the list's order */

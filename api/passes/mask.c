@@ -2,11 +2,11 @@
 #include "shader_code.h"
 
 uint32_t mask_kind_index(const mask_kind *kind) {
-  return kind->filter * 2 + kind->normals;
+  return kind->view ? MASK_KINDS - 1 : kind->filter * 2 + kind->normals;
 }
 
 csm_result mask_program(pass_gpu gpu, const mask_kind *kind, gpu_program **out) {
-  const gpu_code *const codes[MASK_KINDS / 2][2] = {
+  const gpu_code *const codes[MASK_FILTERS][2] = {
       [CSM_FILTER_PCF_2X2] = {&shader_mask_pcf_2x2_ps, &shader_mask_pcf_2x2_normals_ps},
       [CSM_FILTER_PCF_3X3] = {&shader_mask_pcf_3x3_ps, &shader_mask_pcf_3x3_normals_ps},
       [CSM_FILTER_NEAREST] = {&shader_mask_nearest_ps, &shader_mask_nearest_normals_ps},
@@ -19,12 +19,12 @@ csm_result mask_program(pass_gpu gpu, const mask_kind *kind, gpu_program **out) 
       [CSM_FILTER_GRID_17] = {&shader_mask_grid_17_ps, &shader_mask_grid_17_normals_ps},
   };
   const gpu_program_info info = {
-      .name = "mask",
+      .name = kind->view ? "mask view" : "mask",
       .vertex = shader_screen_vs,
-      .pixel = *codes[kind->filter][kind->normals],
+      .pixel = kind->view ? shader_mask_view_ps : *codes[kind->filter][kind->normals],
       .constants_count = 2,
       .constants_sizes = {MASK_CASCADES_BLOCK, MASK_CAMERA_BLOCK},
-      .texture_count = kind->normals ? 3 : 2,
+      .texture_count = kind->normals && !kind->view ? 3 : 2,
       .sampler_count = 1,
       .samplers = {GPU_SAMPLER_POINT_CLAMP},
       .color_format = GPU_FORMAT_R8_UNORM,

@@ -19,10 +19,10 @@ typedef struct pass_mesh {
   gpu_buffer *vertices, *indices;
   uint64_t vertex_offset, index_offset;
   uint32_t index_count, index_size;
-  uint32_t programs;     /* index of the programs for its shape */
-  bool two_sided;        /* no face of it is culled */
-  uint64_t uv_offset;    /* in the vertices' buffer; read only with an opacity */
-  gpu_bindings *opacity; /* of an alpha-tested mesh, else NULL */
+  uint32_t programs;      /* index of the programs for its shape */
+  bool two_sided, closed; /* no face of it is culled; its back faces need not be drawn */
+  uint64_t uv_offset;     /* in the vertices' buffer; read only with an opacity */
+  gpu_bindings *opacity;  /* of an alpha-tested mesh, else NULL */
 } pass_mesh;
 
 /* What programs that draw a mesh depend on. */
@@ -107,8 +107,9 @@ enum { MASK_CASCADES_BLOCK = 1024, MASK_CAMERA_BLOCK = 256, MASK_BLOCKS = MASK_C
 typedef struct mask_kind {
   uint32_t filter; /* as in csm_config */
   bool normals;    /* the engine's */
+  bool view;       /* a debug view, which knows neither of these */
 } mask_kind;
-enum { MASK_KINDS = 20 };
+enum { MASK_FILTERS = 10, MASK_KINDS = 2 * MASK_FILTERS + 1 };
 
 csm_result mask_program(pass_gpu gpu, const mask_kind *kind, gpu_program **out);
 uint32_t mask_kind_index(const mask_kind *kind); /* below MASK_KINDS */

@@ -49,6 +49,7 @@ static const char *const blends[] = {
     [CSM_BLEND_OFF] = "off", [CSM_BLEND_LINEAR] = "linear", [CSM_BLEND_DITHERED] = "dithered", NULL};
 static const char *const culls[] = {
     [CSM_CULL_NONE] = "none", [CSM_CULL_FRONT] = "front", [CSM_CULL_BACK] = "back", NULL};
+static const char *const culling[] = {[CSM_CASTERS_MAP] = "map", [CSM_CASTERS_VIEW] = "view", NULL};
 static const char *const layouts[] = {[CSM_LAYOUT_ARRAY] = "array", [CSM_LAYOUT_ATLAS] = "atlas", NULL};
 static const char *const formats[] = {[CSM_MAP_D32] = "d32", [CSM_MAP_D16] = "d16", NULL};
 static const char *const switches[] = {"off", "on", NULL};
@@ -148,7 +149,7 @@ static const config_entry entries[] = {
           .about = "What is fitted to the depths that the camera saw in the last mask whose frame is done: nothing, "
                    "splits, or splits and what each map covers."),
     ENTRY(selection, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = CSM_SELECT_BEST,
-          .default_value = CSM_SELECT_INTERVAL, .unit = "", .values = selections,
+          .default_value = CSM_SELECT_MAP, .unit = "", .values = selections,
           .about = "Which cascade a point takes: that of its view depth, the first whose map holds it with its filter, "
                    "or of those the one with the finest texels."),
     ENTRY(beyond, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = CSM_BEYOND_FADED,
@@ -188,6 +189,11 @@ static const config_entry entries[] = {
     ENTRY(resolutions, .type = CSM_FIELD_UINTS, .length = CSM_MAX_CASCADES, .minimum = 0, .maximum = 16384,
           .default_value = 0, .unit = "texels",
           .about = "Sides of single cascades' maps, 16 or more; 0 takes resolution."),
+    ENTRY(caster_culling, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = CSM_CASTERS_VIEW,
+          .default_value = CSM_CASTERS_MAP, .unit = "", .values = culling,
+          .about =
+              "What is drawn into a map: all that casts into it, or what can shade something that the camera sees; "
+              "view is for those who ask for visibility nowhere else."),
     ENTRY(split_near, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 1000000000.0,
           .default_value = 0.0, .unit = "m",
           .about = "View depth from which splits that are not given are spread; 0 is the near plane."),
@@ -320,6 +326,8 @@ csm_result plan_config_check(const csm_config *config, const char **error) {
   csm_result result = CSM_SUCCESS;
   for (uint32_t i = 0; i < entry_count && !result; ++i)
     result = check_entry(&entries[i], config, error);
+  if (!result && config->reserved)
+    result = plan_fail(error, CSM_ERROR_INVALID_VALUE, "reserved is not 0");
   if (!result)
     result = check_splits(config, error);
   if (!result)

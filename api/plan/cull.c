@@ -43,12 +43,80 @@ void plan_scene_bounds(plan_scene_box *out, const double basis[9], const plan_sc
   }
 }
 
+/* Twice the area of a triangle, above 0 where it turns left. */
+static double turn(const double a[3], const double b[3], const double c[3]) {
+  return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+static void sort_points(double (*points)[3], int count) {
+  for (int i = 1; i < count; ++i)
+    for (int k = i; k && (points[k][0] < points[k - 1][0] ||
+                          (points[k][0] == points[k - 1][0] && points[k][1] < points[k - 1][1]));
+         --k)
+      for (int axis = 0; axis < 3; ++axis) {
+        const double moved = points[k][axis];
+        points[k][axis] = points[k - 1][axis];
+        points[k - 1][axis] = moved;
+      }
+}
+
+/* Andrew, "Another efficient algorithm for convex hulls in two dimensions" (1979); returns how many of `points` it has.
+ */
+static int find_hull(int hull[17], const double (*points)[3], int count) {
+  int size = 0;
+  for (int pass = 0; pass < 2; ++pass) {
+    const int first = size;
+    for (int i = 0; i < count; ++i) {
+      const int point = pass ? count - 1 - i : i;
+      while (size >= first + 2 && turn(points[hull[size - 2]], points[hull[size - 1]], points[point]) <= 0.0)
+        --size;
+      hull[size++] = point;
+    }
+    --size; /* the next pass begins with it */
+  }
+  return size;
+}
+
+void plan_view_hull(plan_hull *out, const plan_camera *camera, const double basis[9], double end, double room) {
+  double corners[8][3], points[8][3], inverse[9];
+  int hull[17];
+  plan_slice_corners(corners, camera, camera->near_depth, end);
+  plan_view_rotation_inverse(inverse, camera->view);
+  for (int i = 0; i < 8; ++i)
+    plan_view_to_light(points[i], camera, basis, inverse, corners[i]);
+  sort_points(points, 8);
+  const int count = find_hull(hull, (const double(*)[3])points, 8);
+  *out = (plan_hull){0};
+  for (int i = 0; i < count && count > 2; ++i) {
+    const double *a = points[hull[i]], *b = points[hull[(i + 1) % count]];
+    const double x = b[1] - a[1], y = a[0] - b[0], length = sqrt(x * x + y * y);
+    if (!(length > 0.0))
+      continue;
+    double *normal = out->normals[out->count];
+    normal[0] = x / length;
+    normal[1] = y / length;
+    out->offsets[out->count++] = normal[0] * a[0] + normal[1] * a[1] + room;
+  }
+}
+
+/* Whether what casts along the light from between `low` and `high` can shade nothing inside. */
+static bool outside_hull(const plan_hull *hull, const double low[3], const double high[3]) {
+  bool outside = false;
+  for (uint32_t i = 0; i < hull->count; ++i) {
+    const double *normal = hull->normals[i];
+    const double x = normal[0] > 0.0 ? low[0] : high[0], y = normal[1] > 0.0 ? low[1] : high[1];
+    outside |= normal[0] * x + normal[1] * y > hull->offsets[i];
+  }
+  return outside;
+}
+
 /*
  * A caster is kept if its bounds, swept towards the light, meet what the map covers: there is no test at the near
  * plane. The rasteriser draws where texels' centres are covered, half a texel inside the area, so the area itself has
  * that much room for rounding. Comparisons are such that NaN keeps the caster.
  */
-void plan_cull_light(plan_lists *lists, plan_area *areas, const double basis[9], const plan_scene *scene) {
+void plan_cull_light(plan_lists *lists, plan_area *areas, const double basis[9], const plan_hull *hull,
+                     const plan_scene *scene) {
   for (uint32_t i = 0; i < lists->count; ++i)
     areas[i].first_caster = INFINITY;
   for (uint32_t instance = 0; instance < scene->instance_count; ++instance) {
@@ -63,7 +131,7 @@ void plan_cull_light(plan_lists *lists, plan_area *areas, const double basis[9],
       high[axis] = center + extent;
     }
     uint32_t mask = 0;
-    for (uint32_t i = 0; i < lists->count; ++i) {
+    for (uint32_t i = 0; i < lists->count && !outside_hull(hull, low, high); ++i) {
       plan_area *area = &areas[i];
       const bool outside = (low[0] > area->max[0]) | (high[0] < area->min[0]) | (low[1] > area->max[1]) |
                            (high[1] < area->min[1]) | (low[2] > area->depth[1]);

@@ -129,6 +129,13 @@ double plan_filter_reach_texels(const csm_config *config);
 double plan_padding_texels(const csm_config *config);
 
 /* ---- culling ---- */
+/* What a camera sees until the shadows end, across the light: the half-planes around it. */
+typedef struct plan_hull {
+  double normals[8][2], offsets[8]; /* inside: dot(normal, xy) <= offset */
+  uint32_t count;                   /* 0: nothing is left out */
+} plan_hull;
+/* The hull, with so many metres of room around it. */
+void plan_view_hull(plan_hull *out, const plan_camera *camera, const double basis[9], double end, double room);
 void plan_scene_bounds(plan_scene_box *out, const double basis[9], const plan_scene *scene);
 
 /* The lists of a plan while they are made. */
@@ -151,7 +158,8 @@ void plan_lists_begin(plan_lists *lists, const plan_scene *scene, void *memory);
 void plan_lists_end(plan_lists *lists, const plan_scene *scene);
 
 /* Notes in list i what casts into area i, and how far towards the light those casters reach. */
-void plan_cull_light(plan_lists *lists, plan_area *areas, const double basis[9], const plan_scene *scene);
+void plan_cull_light(plan_lists *lists, plan_area *areas, const double basis[9], const plan_hull *hull,
+                     const plan_scene *scene);
 /* Notes in the one list what may be in the camera's clip volume. */
 void plan_cull_view(plan_lists *lists, const plan_camera *camera, const plan_scene *scene);
 

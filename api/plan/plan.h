@@ -88,7 +88,7 @@ typedef struct plan_draw {
   uint32_t mesh;
   uint32_t first; /* index into the list's matrices */
   uint32_t count;
-  uint32_t mirrored; /* all of them; 0 where no faces are culled */
+  uint32_t mirrored; /* all of them; 0 in a camera's list */
 } plan_draw;
 
 /* What one cascade, or the camera, draws. */
@@ -167,9 +167,10 @@ void plan_write_view_matrices(float *out, const plan_list *list, const plan_came
 
 /* The block that shaders/include/csm_constants.h lays out, relative to frame->camera.position. Returns its bytes. */
 uint32_t plan_write_constants(float *out, const plan_frame *frame, const csm_config *config);
-/* The block of the mask pass: how `camera`'s clip space maps to world positions relative to frame->camera.position. */
+/* The block of the mask pass: how `camera`'s clip space maps to world positions relative to frame->camera.position;
+ * `view` is CSM_VIEW_*. */
 uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_camera *camera, uint32_t width,
-                                   uint32_t height, bool unorm_normals);
+                                   uint32_t height, bool unorm_normals, uint32_t view);
 
 /* What csm_draw_info says of a cascade: the world's transform to its clip space, and the planes of what may cast. */
 void plan_cascade_volume(const plan_frame *frame, uint32_t cascade, double world_to_clip[16], double planes[5][4]);

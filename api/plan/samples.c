@@ -16,10 +16,6 @@
 #define SHRINK_FRAMES 16
 /* The bound of a map never shrinks below 1/16 of its fit. */
 #define MOST_STEPS (4.0 * STEPS_PER_OCTAVE)
-/* From this share of a field of view on, a turn shows what no tile has seen. */
-#define CUT_TURN 0.25
-/* And so does a move by this share of the way to the farthest surface. */
-#define CUT_MOVE 0.25
 
 /* The view depth of a depth in the camera's buffer. */
 static double view_depth(const plan_camera *camera, double depth) {
@@ -81,29 +77,37 @@ static double farthest_depth(const plan_samples *samples) {
   return farthest;
 }
 
+/* Whether two cameras see as wide, and to the same side, but for jitter and a slow zoom. */
+static bool same_image(const plan_camera *a, const plan_camera *b) {
+  const int scales[] = {0, 1, 4, 5}, offsets[] = {8, 9, 12, 13};
+  const double scale = fabs(a->projection[0]) + fabs(a->projection[5]);
+  for (int i = 0; i < 4; ++i)
+    if (fabs(a->projection[scales[i]] - b->projection[scales[i]]) > 0.05 * scale ||
+        fabs(a->projection[offsets[i]] - b->projection[offsets[i]]) > 0.02)
+      return false;
+  return a->orthographic == b->orthographic;
+}
+
 /*
- * A camera that has turned or moved far sees what was not seen: a cut. So does one with another projection, and one
- * that had nothing before it.
+ * A camera that has turned by more than the margin's share of its field of view, or moved by more than that of the way
+ * to the farthest surface, sees what no tile has seen: a cut. So does one with another image, and one that had none
+ * before.
  */
 bool plan_samples_usable(const plan_samples *samples, const plan_camera *camera, const csm_config *config) {
-  if (config->sample_distribution == CSM_SAMPLES_OFF || !samples || !samples->columns)
+  if (config->sample_distribution == CSM_SAMPLES_OFF || !samples || !samples->columns ||
+      !same_image(&samples->camera, camera))
     return false;
   const plan_camera *then = &samples->camera;
-  for (int i = 0; i < 16; ++i)
-    if (fabs(then->projection[i] - camera->projection[i]) > 0.05 * fabs(camera->projection[i]) + 1e-3)
-      return false;
   const double tangent = fmin(1.0 / fabs(camera->projection[0]), 1.0 / fabs(camera->projection[5]));
-  const double field = camera->orthographic ? 1.0 : 2.0 * atan(tangent);
-  const double turned = acos(fmin(1.0, plan_dot(then->forward, camera->forward)));
-  double rolled = 0.0, moved = 0.0;
+  const double most = config->sample_margin * (camera->orthographic ? 1.0 : 2.0 * atan(tangent));
+  double right = 0.0, moved = 0.0;
   for (int i = 0; i < 3; ++i) {
-    rolled += then->view[i * 4] * camera->view[i * 4];
+    right += then->view[i * 4] * camera->view[i * 4];
     const double step = camera->position[i] - then->position[i];
     moved += step * step;
   }
-  const double farthest = farthest_depth(samples);
-  return farthest > 0.0 && turned < CUT_TURN * field && rolled > cos(CUT_TURN * field) &&
-         sqrt(moved) < CUT_MOVE * farthest;
+  const double ahead = plan_dot(then->forward, camera->forward);
+  return ahead >= cos(most) && right >= cos(most) && sqrt(moved) <= config->sample_margin * farthest_depth(samples);
 }
 
 /* ---- splits ---- */

@@ -169,7 +169,7 @@ static double image_handedness(const plan_camera *camera) {
 }
 
 uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_camera *camera, uint32_t width,
-                                   uint32_t height, bool unorm_normals) {
+                                   uint32_t height, bool unorm_normals, uint32_t view) {
   double unproject[16], rotation[9];
   (void)plan_invert(unproject, camera->projection); /* plan_camera_make saw to it that it can be */
   plan_view_rotation_inverse(rotation, camera->view);
@@ -185,5 +185,6 @@ uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const pl
   put(out, CSM_M_SIZE, width, height, 1.0 / width, 1.0 / height);
   put(out, CSM_M_CLEAR, camera->reversed ? 0.0 : 1.0, image_handedness(camera), unorm_normals ? 2.0 : 1.0,
       unorm_normals ? -1.0 : 0.0);
+  put(out, CSM_M_VIEW, view, 0.0, 0.0, 0.0);
   return CSM_M_COUNT * 4 * sizeof(float);
 }

@@ -19,7 +19,6 @@
 #define D3D12_MAX_BARRIERS 16
 #define D3D12_BINDING_BLOCKS 1024    /* bindings with textures that can exist at once */
 #define D3D12_FILL_SIZE (128u << 10) /* of each part of gpu_device.fill: stays in a core's cache */
-enum { D3D12_FILL_ZERO, D3D12_FILL_ONE_FLOAT, D3D12_FILL_ONE_UNORM, D3D12_FILL_PARTS };
 
 /* Every state in which shaders of any stage read an image. */
 #define D3D12_STATE_READABLE                                                                                           \
@@ -27,6 +26,9 @@ enum { D3D12_FILL_ZERO, D3D12_FILL_ONE_FLOAT, D3D12_FILL_ONE_UNORM, D3D12_FILL_P
 
 /* Every state in which draws read a buffer. */
 #define D3D12_STATE_GEOMETRY (D3D12_RESOURCE_STATE_VERTEX_AND_CONSTANT_BUFFER | D3D12_RESOURCE_STATE_INDEX_BUFFER)
+
+/* The parts of gpu_device.fill: texels of depth 0 in either format, and of depth 1 in each. */
+enum { D3D12_FILL_ZERO, D3D12_FILL_ONE_D32, D3D12_FILL_ONE_D16, D3D12_FILL_PARTS };
 
 /* Makes root signatures: D3D12SerializeRootSignature. */
 typedef HRESULT(WINAPI *d3d12_serializer)(const D3D12_ROOT_SIGNATURE_DESC *signature,
@@ -144,8 +146,7 @@ struct gpu_device {
   uint32_t free_block_count;
   uint16_t free_blocks[D3D12_BINDING_BLOCKS];
 
-  /* Where the CPU is the device: texels of depth 0, then of depth 1 as floats and in 16 bits, to clear by copies; else
-     NULL */
+  /* Where the CPU is the device: D3D12_FILL_PARTS of texels, to clear by copies; else NULL */
   ID3D12Resource *fill;
 
   /* GPU_MAX_TIMESTAMPS for each slot */
@@ -225,8 +226,8 @@ csm_result d3d12_signal(gpu_device *device);
 
 /* ---- resource.c ---- */
 DXGI_FORMAT d3d12_format(gpu_format format);
-/* As a resource that is drawn into in its own format and read in another: depth's has no type. */
-DXGI_FORMAT d3d12_typeless(gpu_format format);
+/* What a resource is made in, and copied in, so that it may hold depths and be read as well. */
+DXGI_FORMAT d3d12_resource_format(gpu_format format);
 /* A committed buffer in its heap's state. */
 HRESULT d3d12_commit_buffer(ID3D12Device *device, D3D12_HEAP_TYPE heap, uint64_t size, ID3D12Resource **out);
 csm_result d3d12_buffer_create(gpu_device *device, const gpu_buffer_info *info, gpu_buffer **out);
@@ -254,8 +255,8 @@ void d3d12_marker_end(gpu_device *device);
 void d3d12_timestamp(gpu_device *device, uint32_t index);
 void d3d12_copy_buffer(gpu_device *device, gpu_buffer *to, uint64_t to_offset, gpu_buffer *from, uint64_t from_offset,
                        uint64_t size);
-void d3d12_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *from,
-                      const gpu_region *region);
+void d3d12_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *image,
+                      const gpu_region *from);
 void d3d12_copy_to_image(gpu_device *device, gpu_image *to, gpu_buffer *from, uint64_t offset, uint32_t row_bytes);
 void d3d12_clear_depth(gpu_device *device, gpu_image *image, float depth);
 void d3d12_pass_begin(gpu_device *device, gpu_target *target);

@@ -4,7 +4,6 @@
  * it (use_device).
  */
 #include "d3d12.h"
-
 #include <string.h>
 #include <time.h>
 
@@ -170,12 +169,12 @@ static HRESULT create_fill(gpu_device *device) {
     hr = ID3D12Resource_Map(device->fill, 0, NULL, &memory);
   if (FAILED(hr))
     return hr;
-  char *parts = memory;
-  memset(parts + D3D12_FILL_ZERO * D3D12_FILL_SIZE, 0, D3D12_FILL_SIZE);
-  memset(parts + D3D12_FILL_ONE_UNORM * D3D12_FILL_SIZE, 0xff, D3D12_FILL_SIZE);
-  float *ones = (float *)(parts + D3D12_FILL_ONE_FLOAT * D3D12_FILL_SIZE);
+  unsigned char *bytes = memory;
+  float *ones = (float *)(bytes + D3D12_FILL_ONE_D32 * D3D12_FILL_SIZE);
+  memset(bytes + D3D12_FILL_ZERO * D3D12_FILL_SIZE, 0, D3D12_FILL_SIZE);
   for (uint32_t i = 0; i < D3D12_FILL_SIZE / sizeof *ones; ++i)
-    ones[i] = 1.0f;
+    ones[i] = 1;
+  memset(bytes + D3D12_FILL_ONE_D16 * D3D12_FILL_SIZE, 0xff, D3D12_FILL_SIZE);
   ID3D12Resource_Unmap(device->fill, 0, NULL);
   return S_OK;
 }

@@ -133,35 +133,32 @@ void d3d12_copy_buffer(gpu_device *device, gpu_buffer *to, uint64_t to_offset, g
                                              from_offset, size);
 }
 
-void d3d12_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *from,
-                      const gpu_region *region) {
-  const gpu_image_info *info = &from->info;
+void d3d12_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *image,
+                      const gpu_region *from) {
+  const gpu_format format = image->info.format;
   const D3D12_TEXTURE_COPY_LOCATION source = {
-      .pResource = from->resource.handle,
+      .pResource = image->resource.handle,
       .Type = D3D12_TEXTURE_COPY_TYPE_SUBRESOURCE_INDEX,
-      .SubresourceIndex = region->layer,
+      .SubresourceIndex = from->layer,
   };
   const D3D12_TEXTURE_COPY_LOCATION destination = {
       .pResource = to->resource.handle,
       .Type = D3D12_TEXTURE_COPY_TYPE_PLACED_FOOTPRINT,
       .PlacedFootprint = {.Offset = offset,
-                          .Footprint = {.Format = d3d12_typeless(info->format),
-                                        .Width = region->width,
-                                        .Height = region->height,
+                          .Footprint = {.Format = d3d12_resource_format(format),
+                                        .Width = from->width,
+                                        .Height = from->height,
                                         .Depth = 1,
                                         .RowPitch = row_bytes}},
   };
-  const D3D12_BOX box = {.left = region->x,
-                         .top = region->y,
-                         .right = region->x + region->width,
-                         .bottom = region->y + region->height,
-                         .back = 1};
-  /* Direct3D 12 takes a part of a depth image only from vkd3d; the whole is within its rules. */
-  const bool whole = region->width == info->width && region->height == info->height;
-  use_copy_destination(device, to, offset, (uint64_t)row_bytes * region->height);
-  use_image(device, from, D3D12_RESOURCE_STATE_COPY_SOURCE);
+  const D3D12_BOX box = {
+      .left = from->x, .top = from->y, .right = from->x + from->width, .bottom = from->y + from->height, .back = 1};
+  use_copy_destination(device, to, offset, (uint64_t)row_bytes * from->height);
+  use_image(device, image, D3D12_RESOURCE_STATE_COPY_SOURCE);
   flush_barriers(device);
-  ID3D12GraphicsCommandList_CopyTextureRegion(device->list, &destination, 0, 0, 0, &source, whole ? NULL : &box);
+  /* Depths take no box: a whole layer is all that may be copied of them. */
+  ID3D12GraphicsCommandList_CopyTextureRegion(device->list, &destination, 0, 0, 0, &source,
+                                              gpu_format_is_depth(format) ? NULL : &box);
 }
 
 void d3d12_copy_to_image(gpu_device *device, gpu_image *to, gpu_buffer *from, uint64_t offset, uint32_t row_bytes) {
@@ -188,11 +185,11 @@ void d3d12_copy_to_image(gpu_device *device, gpu_image *to, gpu_buffer *from, ui
 /*
  * Clears by copies of the few rows in `fill`, which stay in the cache: 4 maps of 2048 x 2048 take 2.1 ms on lavapipe,
  * where vkd3d's ClearDepthStencilView, a render pass that loads with a clear, takes 5 to 8 ms, with one view of all
- * layers or one of each. On a GPU that view is the cheap way, for it keeps depth compressed.
+ * layers or one of each. On a GPU that view is the cheap way, for it keeps depth compressed. Copies into a part of a
+ * layer of depths are vkd3d's to allow, which is what draws on a CPU; Direct3D 12 itself has none.
  */
-static void fill_layer(gpu_device *device, gpu_image *image, uint32_t layer, uint64_t fill_offset) {
-  const uint32_t texel_bytes = image->info.format == GPU_FORMAT_D16_UNORM ? 2 : 4;
-  const uint32_t row_bytes = (image->info.width * texel_bytes + 255) & ~255u;
+static void fill_layer(gpu_device *device, gpu_image *image, uint32_t layer, uint32_t part) {
+  const uint32_t row_bytes = (image->info.width * gpu_format_bytes(image->info.format) + 255) & ~255u;
   const uint32_t strip = D3D12_FILL_SIZE / row_bytes;
   const D3D12_TEXTURE_COPY_LOCATION to = {
       .pResource = image->resource.handle,
@@ -204,8 +201,8 @@ static void fill_layer(gpu_device *device, gpu_image *image, uint32_t layer, uin
     const D3D12_TEXTURE_COPY_LOCATION from = {
         .pResource = device->fill,
         .Type = D3D12_TEXTURE_COPY_TYPE_PLACED_FOOTPRINT,
-        .PlacedFootprint = {.Offset = fill_offset,
-                            .Footprint = {.Format = d3d12_typeless(image->info.format),
+        .PlacedFootprint = {.Offset = part * D3D12_FILL_SIZE,
+                            .Footprint = {.Format = d3d12_resource_format(image->info.format),
                                           .Width = image->info.width,
                                           .Height = left < strip ? left : strip,
                                           .Depth = 1,
@@ -225,11 +222,9 @@ void d3d12_clear_depth(gpu_device *device, gpu_image *image, float depth) {
         D3D12_CLEAR_FLAG_DEPTH, depth, 0, 0, NULL);
     return;
   }
-  const uint32_t part = depth == 0                                   ? D3D12_FILL_ZERO
-                        : image->info.format == GPU_FORMAT_D16_UNORM ? D3D12_FILL_ONE_UNORM
-                                                                     : D3D12_FILL_ONE_FLOAT;
+  const uint32_t one = image->info.format == GPU_FORMAT_D16_UNORM ? D3D12_FILL_ONE_D16 : D3D12_FILL_ONE_D32;
   for (uint32_t layer = 0; layer < image->info.layers; ++layer)
-    fill_layer(device, image, layer, (uint64_t)part * D3D12_FILL_SIZE);
+    fill_layer(device, image, layer, depth == 1 ? one : D3D12_FILL_ZERO);
 }
 
 /* What was copied becomes readable: a pass may draw from it. Images never rest in COMMON. */

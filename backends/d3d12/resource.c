@@ -62,6 +62,28 @@ DXGI_FORMAT d3d12_format(gpu_format format) {
   return DXGI_FORMAT_UNKNOWN;
 }
 
+DXGI_FORMAT d3d12_resource_format(gpu_format format) {
+  switch (format) {
+  case GPU_FORMAT_D32_FLOAT:
+    return DXGI_FORMAT_R32_TYPELESS;
+  case GPU_FORMAT_D16_UNORM:
+    return DXGI_FORMAT_R16_TYPELESS;
+  default:
+    return d3d12_format(format);
+  }
+}
+
+static DXGI_FORMAT view_format(gpu_format format) {
+  switch (format) {
+  case GPU_FORMAT_D32_FLOAT:
+    return DXGI_FORMAT_R32_FLOAT;
+  case GPU_FORMAT_D16_UNORM:
+    return DXGI_FORMAT_R16_UNORM;
+  default:
+    return d3d12_format(format);
+  }
+}
+
 /* The state that a buffer of each heap begins in; those of upload and readback heaps stay in it. */
 static D3D12_RESOURCE_STATES heap_state(D3D12_HEAP_TYPE heap) {
   switch (heap) {
@@ -87,12 +109,6 @@ HRESULT d3d12_commit_buffer(ID3D12Device *device, D3D12_HEAP_TYPE heap, uint64_t
   };
   return ID3D12Device_CreateCommittedResource(device, &properties, D3D12_HEAP_FLAG_NONE, &resource, heap_state(heap),
                                               NULL, &IID_ID3D12Resource, (void **)out);
-}
-
-DXGI_FORMAT d3d12_typeless(gpu_format format) {
-  return format == GPU_FORMAT_D32_FLOAT   ? DXGI_FORMAT_R32_TYPELESS
-         : format == GPU_FORMAT_D16_UNORM ? DXGI_FORMAT_R16_TYPELESS
-                                          : d3d12_format(format);
 }
 
 static D3D12_HEAP_TYPE heap_type(gpu_buffer_kind kind) {
@@ -144,7 +160,7 @@ void *d3d12_buffer_memory(gpu_buffer *buffer) {
 
 static HRESULT commit_image(gpu_device *device, gpu_image *image) {
   const gpu_image_info *info = &image->info;
-  const bool depth = gpu_is_depth(info->format);
+  const bool depth = gpu_format_is_depth(info->format);
   const D3D12_HEAP_PROPERTIES heap = {.Type = D3D12_HEAP_TYPE_DEFAULT};
   const D3D12_RESOURCE_DESC resource = {
       .Dimension = D3D12_RESOURCE_DIMENSION_TEXTURE2D,
@@ -152,7 +168,7 @@ static HRESULT commit_image(gpu_device *device, gpu_image *image) {
       .Height = info->height,
       .DepthOrArraySize = (UINT16)info->layers,
       .MipLevels = 1,
-      .Format = d3d12_typeless(info->format),
+      .Format = d3d12_resource_format(info->format),
       .SampleDesc = {.Count = 1},
       .Flags = depth ? D3D12_RESOURCE_FLAG_ALLOW_DEPTH_STENCIL : D3D12_RESOURCE_FLAG_ALLOW_RENDER_TARGET,
   };
@@ -160,9 +176,7 @@ static HRESULT commit_image(gpu_device *device, gpu_image *image) {
      is used so, not when a descriptor reads it. */
   image->resource.state = depth ? D3D12_RESOURCE_STATE_DEPTH_WRITE : D3D12_RESOURCE_STATE_RENDER_TARGET;
   image->resource.rest = info->usage & GPU_IMAGE_SAMPLED ? D3D12_STATE_READABLE : image->resource.state;
-  image->view_format = info->format == GPU_FORMAT_D32_FLOAT   ? DXGI_FORMAT_R32_FLOAT
-                       : info->format == GPU_FORMAT_D16_UNORM ? DXGI_FORMAT_R16_UNORM
-                                                              : resource.Format;
+  image->view_format = view_format(info->format);
   const D3D12_RESOURCE_ALLOCATION_INFO allocation =
       ID3D12Device_GetResourceAllocationInfo(device->device, 0, 1, &resource);
   image->bytes = allocation.SizeInBytes;

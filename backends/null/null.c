@@ -8,14 +8,14 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { NAME_SIZE = 64, OFFSET_ALIGNMENT = 256 };
+enum { NAME_SIZE = 64, OFFSET_ALIGNMENT = 256, PLACEMENT_ALIGNMENT = 512 };
 
 struct gpu_device {
   gpu_host host;
-  bool engine;                /* any engine's device will do */
-  const gpu_program *program; /* of the pass that is open */
+  bool engine;              /* any engine's device will do */
+  const gpu_target *target; /* of the pass that is open, as is the program */
+  const gpu_program *program;
   bool recording, in_pass, bound;
-  uint32_t width, height; /* of the target that is drawn into */
 };
 
 struct gpu_buffer {
@@ -78,24 +78,9 @@ static void set_name(char to[NAME_SIZE], const char *name) {
   snprintf(to, NAME_SIZE, "%s", name ? name : "");
 }
 
-static uint32_t texel_bytes(gpu_format format) {
-  switch (format) {
-  case GPU_FORMAT_NONE:
-    return 0;
-  case GPU_FORMAT_R8_UNORM:
-    return 1;
-  case GPU_FORMAT_D16_UNORM:
-    return 2;
-  case GPU_FORMAT_D32_FLOAT:
-    return 4;
-  case GPU_FORMAT_RG32_FLOAT:
-    return 8;
-  case GPU_FORMAT_RGB32_FLOAT:
-    return 12;
-  case GPU_FORMAT_RGBA32_FLOAT:
-    return 16;
-  }
-  return 0;
+/* Whether a piece of an image's width or height lies in it, and is one. */
+static bool spans(uint32_t size, uint32_t first, uint32_t count) {
+  return count > 0 && first <= size && count <= size - first;
 }
 
 static bool holds(const gpu_buffer *buffer, uint64_t offset, uint64_t size) {
@@ -191,7 +176,7 @@ static void null_image_destroy(gpu_device *device, gpu_image *image) {
 }
 
 static uint64_t null_image_bytes(const gpu_image *image) {
-  return (uint64_t)image->info.width * image->info.height * image->info.layers * texel_bytes(image->info.format);
+  return (uint64_t)image->info.width * image->info.height * image->info.layers * gpu_format_bytes(image->info.format);
 }
 
 static void null_image_native(const gpu_device *device, const gpu_image *image, gpu_native_image *out) {
@@ -228,11 +213,13 @@ static csm_result null_target_create(gpu_device *device, const gpu_target_info *
   require(device, info->depth || info->color, "target_create: without an image");
   require(device, !info->depth || info->depth_layer < info->depth->info.layers, "target_create: no such depth layer");
   require(device, !info->color || info->color_layer < info->color->info.layers, "target_create: no such colour layer");
+  require(device, !info->depth || gpu_format_is_depth(info->depth->info.format), "target_create: depth has no depths");
+  require(device, !info->color || !gpu_format_is_depth(info->color->info.format), "target_create: colour has depths");
   gpu_target *target = *out = make(device, sizeof *target);
   if (!target)
     return CSM_ERROR_OUT_OF_MEMORY;
-  set_name(target->name, info->name);
   const gpu_image_info *size = info->depth ? &info->depth->info : &info->color->info;
+  set_name(target->name, info->name);
   target->width = size->width;
   target->height = size->height;
   return CSM_SUCCESS;
@@ -242,9 +229,20 @@ static void null_target_destroy(gpu_device *device, gpu_target *target) {
   release(device, target);
 }
 
-static csm_result null_program_create(gpu_device *device, const gpu_program_info *info, gpu_program **out) {
+static void check_program(gpu_device *device, const gpu_program_info *info) {
+  const gpu_raster_bias *bias = &info->raster_bias;
   require(device, info->vertex.spirv_size && info->vertex.dxbc_size, "program_create: no vertex shader");
   require(device, !info->pixel.spirv_size == !info->pixel.dxbc_size, "program_create: half a pixel shader");
+  require(device, !info->depth_format || gpu_format_is_depth(info->depth_format), "program_create: no depth format");
+  require(device, !gpu_format_is_depth(info->color_format), "program_create: no colour format");
+  require(device, info->depth_format || !(bias->constant || bias->slope != 0),
+          "program_create: a raster bias without depth");
+  for (uint32_t i = 0; i < info->sampler_count; i++)
+    require(device, info->samplers[i] <= GPU_SAMPLER_COMPARE_GREATER_EQUAL, "program_create: no such sampler");
+}
+
+static csm_result null_program_create(gpu_device *device, const gpu_program_info *info, gpu_program **out) {
+  check_program(device, info);
   gpu_program *program = *out = make(device, sizeof *program);
   if (!program)
     return CSM_ERROR_OUT_OF_MEMORY;
@@ -312,18 +310,27 @@ static void null_copy_buffer(gpu_device *device, gpu_buffer *to, uint64_t to_off
     memcpy(to->memory + to_offset, from->memory + from_offset, size);
 }
 
-static void null_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *from,
-                            const gpu_region *region) {
-  record(device, "copy_image %s %llu %u %s %u", to->name, (unsigned long long)offset, row_bytes, from->name,
-         region->layer);
+/* Of a depth image a whole layer, of any other a piece of one. */
+static void check_region(gpu_device *device, const gpu_image *image, const gpu_region *from) {
+  const gpu_image_info *info = &image->info;
+  const bool inside = spans(info->width, from->x, from->width) && spans(info->height, from->y, from->height);
+  require(device, from->layer < info->layers, "copy_image: no such layer");
+  require(device, inside, "copy_image: beyond the image, or empty");
+  require(device, !gpu_format_is_depth(info->format) || (from->width == info->width && from->height == info->height),
+          "copy_image: a part of a layer of depths");
+  require(device, info->usage & GPU_IMAGE_COPY_SOURCE, "copy_image: the image is not made to be copied");
+}
+
+static void null_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *image,
+                            const gpu_region *from) {
+  record(device, "copy_image %s %llu %u %s %u %u %u %u %u", to->name, (unsigned long long)offset, row_bytes,
+         image->name, from->layer, from->x, from->y, from->width, from->height);
   require(device, device->recording && !device->in_pass, "copy_image: not between begin and end, or in a pass");
+  require(device, offset % PLACEMENT_ALIGNMENT == 0, "copy_image: offset is not a multiple of 512");
   require(device, row_bytes % OFFSET_ALIGNMENT == 0, "copy_image: row_bytes is not a multiple of 256");
-  require(device, region->layer < from->info.layers, "copy_image: no such layer");
-  require(device, region->x + region->width <= from->info.width && region->y + region->height <= from->info.height,
-          "copy_image: the region is not inside the image");
-  require(device, from->info.usage & GPU_IMAGE_COPY_SOURCE, "copy_image: the image is not made to be copied");
-  const uint64_t used = (uint64_t)region->width * texel_bytes(from->info.format);
-  const uint64_t size = (uint64_t)row_bytes * (region->height - 1) + used;
+  check_region(device, image, from);
+  const uint64_t used = (uint64_t)from->width * gpu_format_bytes(image->info.format);
+  const uint64_t size = from->height ? (uint64_t)row_bytes * (from->height - 1) + used : 0;
   const bool fits = used <= row_bytes && holds(to, offset, size);
   require(device, fits, "copy_image: beyond a row's or the buffer's end");
   if (fits)
@@ -342,14 +349,14 @@ static void null_copy_to_image(gpu_device *device, gpu_image *to, gpu_buffer *fr
 static void null_clear_depth(gpu_device *device, gpu_image *image, float depth) {
   record(device, "clear_depth %s %g", image->name, (double)depth);
   require(device, device->recording && !device->in_pass, "clear_depth: not between begin and end, or in a pass");
+  require(device, gpu_format_is_depth(image->info.format), "clear_depth: the image has no depths");
 }
 
 static void null_pass_begin(gpu_device *device, gpu_target *target) {
   record(device, "pass_begin %s", target->name);
   require(device, device->recording && !device->in_pass, "pass_begin: not between begin and end, or in a pass");
   device->in_pass = true;
-  device->width = target->width;
-  device->height = target->height;
+  device->target = target;
   device->program = NULL;
   device->bound = false;
 }
@@ -357,8 +364,10 @@ static void null_pass_begin(gpu_device *device, gpu_target *target) {
 static void null_pass_area(gpu_device *device, const gpu_rect *area) {
   record(device, "area %u %u %u %u", area->x, area->y, area->width, area->height);
   require(device, device->in_pass, "pass_area: no pass is open");
-  require(device, area->x + area->width <= device->width && area->y + area->height <= device->height,
-          "pass_area: the area is not inside the target");
+  require(device,
+          device->target && spans(device->target->width, area->x, area->width) &&
+              spans(device->target->height, area->y, area->height),
+          "pass_area: beyond the target, or empty");
 }
 
 static void null_pass_end(gpu_device *device) {

@@ -94,26 +94,6 @@ VkFormat vulkan_format(gpu_format format) {
   return VK_FORMAT_UNDEFINED;
 }
 
-uint32_t vulkan_texel_bytes(gpu_format format) {
-  switch (format) {
-  case GPU_FORMAT_R8_UNORM:
-    return 1;
-  case GPU_FORMAT_D16_UNORM:
-    return 2;
-  case GPU_FORMAT_D32_FLOAT:
-    return 4;
-  case GPU_FORMAT_RG32_FLOAT:
-    return 8;
-  case GPU_FORMAT_RGB32_FLOAT:
-    return 12;
-  case GPU_FORMAT_RGBA32_FLOAT:
-    return 16;
-  case GPU_FORMAT_NONE:
-    break;
-  }
-  return 0;
-}
-
 /* ---- opening and closing ---- */
 
 static csm_result device_new(const gpu_open_info *info, gpu_device **out) {

@@ -71,7 +71,7 @@ csm_result vulkan_engine_take(gpu_device *device, const void *native_device) {
   device->queue_family = native.queue_family;
   device->debug = vulkan_load_debug(&device->vk, native.instance, false); /* nothing where it is not enabled */
   device->driver_properties = has_extension(&native, VK_KHR_DRIVER_PROPERTIES_EXTENSION_NAME);
-  device->clamps_bias = native.features && native.features->depthBiasClamp;
+  device->bias_clamp = native.features && native.features->depthBiasClamp;
   device->memory_budget = has_extension(&native, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
   return CSM_SUCCESS;
 }

@@ -124,7 +124,7 @@ struct gpu_device {
   bool debug;             /* VK_EXT_debug_utils is on */
   bool driver_properties; /* VK_KHR_driver_properties may be asked */
   bool memory_budget;     /* VK_EXT_memory_budget is on */
-  bool clamps_bias;       /* depthBiasClamp is on */
+  bool bias_clamp;        /* depthBiasClamp is on */
 
   /* what the device is */
   gpu_device_info info;
@@ -171,7 +171,6 @@ csm_result vulkan_made(const gpu_device *device, VkResult result, void *handle, 
 /* Names a Vulkan object for debuggers. */
 void vulkan_name(const gpu_device *device, VkObjectType type, uint64_t handle, const char *name);
 VkFormat vulkan_format(gpu_format format);
-uint32_t vulkan_texel_bytes(gpu_format format);
 
 csm_result vulkan_query(const gpu_open_info *info, gpu_device_info *out);
 csm_result vulkan_open(const gpu_open_info *info, gpu_device **out);
@@ -239,8 +238,8 @@ void vulkan_marker_end(gpu_device *device);
 void vulkan_timestamp(gpu_device *device, uint32_t index);
 void vulkan_copy_buffer(gpu_device *device, gpu_buffer *to, uint64_t to_offset, gpu_buffer *from, uint64_t from_offset,
                         uint64_t size);
-void vulkan_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *from,
-                       const gpu_region *region);
+void vulkan_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *image,
+                       const gpu_region *from);
 void vulkan_copy_to_image(gpu_device *device, gpu_image *to, gpu_buffer *from, uint64_t offset, uint32_t row_bytes);
 void vulkan_clear_depth(gpu_device *device, gpu_image *image, float depth);
 void vulkan_pass_begin(gpu_device *device, gpu_target *target);

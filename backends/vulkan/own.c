@@ -254,6 +254,9 @@ csm_result vulkan_own_select(gpu_device *device, const gpu_open_info *info) {
     result = select_physical(device, info->device_name);
   if (result != CSM_SUCCESS)
     return result;
+  VkPhysicalDeviceFeatures features;
+  device->vk.GetPhysicalDeviceFeatures(device->physical, &features);
+  device->bias_clamp = features.depthBiasClamp;
   device->queue_family = find_graphics_queue(device, device->physical);
   return find_device_extensions(device);
 }
@@ -266,10 +269,7 @@ csm_result vulkan_own_open(gpu_device *device) {
                                          .queueFamilyIndex = device->queue_family,
                                          .queueCount = 1,
                                          .pQueuePriorities = &priority};
-  VkPhysicalDeviceFeatures available;
-  device->vk.GetPhysicalDeviceFeatures(device->physical, &available);
-  device->clamps_bias = available.depthBiasClamp;
-  const VkPhysicalDeviceFeatures features = {.depthClamp = VK_TRUE, .depthBiasClamp = available.depthBiasClamp};
+  const VkPhysicalDeviceFeatures features = {.depthClamp = VK_TRUE, .depthBiasClamp = device->bias_clamp};
   const char *const extensions[] = {VK_EXT_MEMORY_BUDGET_EXTENSION_NAME};
   const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                                    .queueCreateInfoCount = 1,

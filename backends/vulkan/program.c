@@ -8,7 +8,7 @@ enum { MAX_BINDINGS = GPU_MAX_CONSTANTS + GPU_MAX_TEXTURES + GPU_MAX_SAMPLERS };
 /* ---- samplers ---- */
 
 csm_result vulkan_samplers_create(gpu_device *device) {
-  const char *const names[VULKAN_SAMPLERS] = {"point", "linear", "compare", "compare, reversed"};
+  const char *const names[VULKAN_SAMPLERS] = {"point", "linear", "compare", "compare reversed"};
   for (uint32_t i = 0; i < VULKAN_SAMPLERS; i++) {
     const VkFilter filter = i == GPU_SAMPLER_POINT_CLAMP ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
     const VkSamplerCreateInfo info = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
@@ -185,8 +185,8 @@ static csm_result pipeline_create(gpu_device *device, gpu_program *program, cons
                                                          .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
                                                          .depthBiasEnable = bias->constant || bias->slope != 0,
                                                          .depthBiasConstantFactor = (float)bias->constant,
-                                                         .depthBiasSlopeFactor = bias->slope,
                                                          .depthBiasClamp = bias->clamp,
+                                                         .depthBiasSlopeFactor = bias->slope,
                                                          .lineWidth = 1};
   const VkPipelineMultisampleStateCreateInfo samples = {
       .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO, .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
@@ -227,8 +227,9 @@ static csm_result pipeline_create(gpu_device *device, gpu_program *program, cons
 
 csm_result vulkan_program_create(gpu_device *device, const gpu_program_info *info, gpu_program **out) {
   *out = NULL;
-  if (info->raster_bias.clamp != 0 && !device->clamps_bias)
-    return vulkan_fail(device, CSM_ERROR_UNSUPPORTED, "bias_raster_clamp needs the feature depthBiasClamp");
+  if (info->raster_bias.clamp != 0 && !device->bias_clamp)
+    return vulkan_fail(device, CSM_ERROR_UNSUPPORTED, "%s: the device clamps no bias: depthBiasClamp is not enabled",
+                       info->name);
   gpu_program *program = vulkan_allocate(device, sizeof *program);
   if (!program)
     return CSM_ERROR_OUT_OF_MEMORY;

@@ -166,25 +166,25 @@ void vulkan_copy_buffer(gpu_device *device, gpu_buffer *to, uint64_t to_offset, 
   device->vk.CmdCopyBuffer(device->commands, from->handle, to->handle, 1, &region);
 }
 
-void vulkan_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *from,
-                       const gpu_region *region) {
-  transfer_range(device, to, offset, (uint64_t)row_bytes * region->height);
+void vulkan_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32_t row_bytes, gpu_image *image,
+                       const gpu_region *from) {
+  transfer_range(device, to, offset, (uint64_t)row_bytes * from->height);
   device->readback_written = true;
-  image_use(device, from, region->layer, 1, &use_copy, false);
-  const VkBufferImageCopy copy = {
+  image_use(device, image, from->layer, 1, &use_copy, false);
+  const VkBufferImageCopy region = {
       .bufferOffset = offset,
-      .bufferRowLength = row_bytes / vulkan_texel_bytes(from->format),
-      .imageSubresource = {.aspectMask = from->aspect, .baseArrayLayer = region->layer, .layerCount = 1},
-      .imageOffset = {(int32_t)region->x, (int32_t)region->y, 0},
-      .imageExtent = {region->width, region->height, 1}};
-  device->vk.CmdCopyImageToBuffer(device->commands, from->handle, use_copy.layout, to->handle, 1, &copy);
+      .bufferRowLength = row_bytes / gpu_format_bytes(image->format),
+      .imageSubresource = {.aspectMask = image->aspect, .baseArrayLayer = from->layer, .layerCount = 1},
+      .imageOffset = {(int32_t)from->x, (int32_t)from->y, 0},
+      .imageExtent = {from->width, from->height, 1}};
+  device->vk.CmdCopyImageToBuffer(device->commands, image->handle, use_copy.layout, to->handle, 1, &region);
 }
 
 void vulkan_copy_to_image(gpu_device *device, gpu_image *to, gpu_buffer *from, uint64_t offset, uint32_t row_bytes) {
   transfer_range(device, from, offset, (uint64_t)row_bytes * to->height);
   image_use(device, to, 0, 1, &use_overwrite, true);
   const VkBufferImageCopy region = {.bufferOffset = offset,
-                                    .bufferRowLength = row_bytes / vulkan_texel_bytes(to->format),
+                                    .bufferRowLength = row_bytes / gpu_format_bytes(to->format),
                                     .imageSubresource = {.aspectMask = to->aspect, .layerCount = 1},
                                     .imageExtent = {to->width, to->height, 1}};
   device->vk.CmdCopyBufferToImage(device->commands, from->handle, to->handle, use_overwrite.layout, 1, &region);
@@ -208,6 +208,7 @@ void vulkan_make_readable(gpu_device *device, gpu_image *image) {
 /* ---- passes ---- */
 
 void vulkan_pass_begin(gpu_device *device, gpu_target *target) {
+  const vulkan_functions *vk = &device->vk;
   if (device->vertices_copied)
     vulkan_memory_barrier(device, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
                           VK_PIPELINE_STAGE_VERTEX_INPUT_BIT,
@@ -220,19 +221,18 @@ void vulkan_pass_begin(gpu_device *device, gpu_target *target) {
   if (target->color)
     image_use(device, target->color, target->color_layer, 1, &use_color, true);
 
-  const VkRect2D whole = {.extent = {target->width, target->height}};
   const VkRenderPassBeginInfo info = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
                                       .renderPass = target->pass,
                                       .framebuffer = target->framebuffer,
-                                      .renderArea = whole};
-  device->vk.CmdBeginRenderPass(device->commands, &info, VK_SUBPASS_CONTENTS_INLINE);
+                                      .renderArea = {.extent = {target->width, target->height}}};
+  vk->CmdBeginRenderPass(device->commands, &info, VK_SUBPASS_CONTENTS_INLINE);
   vulkan_pass_area(device, &(gpu_rect){.width = target->width, .height = target->height});
 }
 
-/* Texel row 0 is clip y = +1; this very form gives the bits that vkd3d draws. */
 void vulkan_pass_area(gpu_device *device, const gpu_rect *area) {
+  /* Texel row 0 is clip y = +1; this very form gives the bits that vkd3d draws. */
   const VkViewport viewport = {.x = (float)area->x,
-                               .y = (float)(area->y + area->height),
+                               .y = (float)area->y + (float)area->height,
                                .width = (float)area->width,
                                .height = -(float)area->height,
                                .maxDepth = 1};

@@ -68,7 +68,7 @@ void *vulkan_buffer_memory(gpu_buffer *buffer) {
 /* ---- images ---- */
 
 static VkImageUsageFlags image_usage(const gpu_image_info *info) {
-  const bool depth = gpu_is_depth(info->format);
+  const bool depth = gpu_format_is_depth(info->format);
   VkImageUsageFlags usage = 0;
   if (info->usage & GPU_IMAGE_TARGET)
     usage |= depth ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT
@@ -138,7 +138,7 @@ csm_result vulkan_image_create(gpu_device *device, const gpu_image_info *info, g
   image->layer_count = info->layers;
   image->sampled_layout = device->read.layout;
   image->before = image->layers + info->layers;
-  image->aspect = gpu_is_depth(info->format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+  image->aspect = gpu_format_is_depth(info->format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
 
   csm_result result = image_handle_create(device, image, info);
   if (result == CSM_SUCCESS && (info->usage & GPU_IMAGE_SAMPLED))

@@ -40,7 +40,8 @@
 #define CSM_M_INVERSE 0 /* four rows: clip (x, y, z, 1) to relative position times w */
 #define CSM_M_SIZE 4    /* width, height, 1 / width, 1 / height */
 #define CSM_M_CLEAR 5   /* depth of a pixel without a surface; handedness; scale and offset that decode normals */
-#define CSM_M_COUNT 6
+#define CSM_M_VIEW 6    /* mask_view alone: CSM_VIEW_* */
+#define CSM_M_COUNT 7
 
 /* What C and C++ see: the same block as a struct, for an engine's own buffers and debugging. */
 #if defined(__cplusplus) || defined(__STDC_VERSION__)

@@ -1,4 +1,4 @@
-// The mask: visibility of every pixel of a camera's depth image.
+// The mask: visibility of every pixel of a camera's depth image. Where MASK_VIEW is defined, only what a view of it needs.
 #include "csm_constants.h"
 
 cbuffer cascades_block : register(b0)
@@ -75,6 +75,7 @@ float3 unit_cross(float3 a, float3 b)
     return unit(float3(mad(a.y, b.z, -(a.z * b.y)), mad(a.z, b.x, -(a.x * b.z)), mad(a.x, b.y, -(a.y * b.x))));
 }
 
+#ifndef MASK_VIEW
 #ifdef MASK_NORMALS
 float3 surface_normal(int2 pixel, float3 position, float depth)
 {
@@ -101,3 +102,4 @@ float main(float4 screen : SV_Position) : SV_Target
     float3 normal = surface_normal(pixel, position, depth);
     return csm_visibility(position, normal, csm_view_depth(position));
 }
+#endif

@@ -8,6 +8,7 @@
  */
 #include "csm_constants.h"
 #include "forward_code.h"
+#include "forward_depths_glsl.h"
 #include "forward_glsl.h"
 #include "loader.h"
 #include "passes/passes.h"
@@ -19,8 +20,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH = 1024, HEIGHT = 512, PIXELS = WIDTH * HEIGHT, BOXES = 40, CASCADES = 3, RESOLUTION = 512 };
-enum { LANGUAGES = 2, PICTURES = 1 + LANGUAGES }; /* the mask; forward by HLSL, by GLSL */
+enum { WIDTH = 512, HEIGHT = 256, PIXELS = WIDTH * HEIGHT, BOXES = 40, CASCADES = 3, RESOLUTION = 512 };
+enum { FILTERS = CSM_FILTER_GRID_17 + 1 };
+enum { READERS = 4, PICTURES = 1 + READERS }; /* the mask; what a forward shader gives that reads maps in each way */
+
+/* GLSL is for Vulkan only. Through comparisons alone there is no bilinear depth. */
+static const struct {
+  const char *name;
+  bool glsl, depths;
+  uint32_t sampler_count;
+  gpu_sampler samplers[2];
+} readers[READERS] = {
+    {"HLSL, loads", .depths = true},
+    {"HLSL, gathers", .depths = true, .sampler_count = 1, .samplers = {GPU_SAMPLER_POINT_CLAMP}},
+    {"GLSL, comparisons", .glsl = true, .sampler_count = 1, .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL}},
+    {"GLSL, depths", .glsl = true, .depths = true, .sampler_count = 2,
+     .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL, GPU_SAMPLER_POINT_CLAMP}},
+};
+
 /* Where things lie in the upload buffer */
 enum {
   AT_GEOMETRY = 0,
@@ -55,8 +72,8 @@ typedef struct bench {
   gpu_target *map_targets[CASCADES], *depth_target, *picture_targets[PICTURES];
   pass_casters casters;
   plan_layout layout;
-  gpu_program *cascade_depth, *camera_depth, *mask[2], *forward[LANGUAGES];
-  gpu_bindings *mask_bindings, *forward_bindings[LANGUAGES];
+  gpu_program *cascade_depth, *camera_depth, *mask[FILTERS], *forward[READERS];
+  gpu_bindings *mask_bindings, *forward_bindings[READERS];
   plan_instance instances[BOXES + 1];
   plan_scene scene;
   plan_frame frame;
@@ -151,13 +168,14 @@ static void write_plane(float out[16], const double view[16], const double proje
   memcpy(&out[12], (const float[]){0, 1, 0, 0}, 16);
 }
 
-static bool make_plan(bench *b, uint32_t filter) {
+static bool make_plan(bench *b, uint32_t filter, uint32_t bias_mode) {
   csm_config config = {.struct_size = sizeof config};
   plan_config_default(&config);
   config.cascade_count = CASCADES;
   config.resolution = RESOLUTION;
   config.shadow_distance = 40;
   config.filter = filter;
+  config.bias_mode = bias_mode;
   double view[16], projection[16];
   const char *error = "";
   make_camera(view, projection);
@@ -175,7 +193,7 @@ static bool make_plan(bench *b, uint32_t filter) {
   write_plane((float *)(upload + AT_PLANE), view, projection);
   plan_write_constants((float *)(upload + AT_BLOCKS), &b->frame, &config);
   plan_write_mask_constants((float *)(upload + AT_BLOCKS + MASK_CASCADES_BLOCK), &b->frame, &b->frame.camera, WIDTH,
-                            HEIGHT, false);
+                            HEIGHT, false, CSM_VIEW_SHADOW);
   plan_write_view_matrices((float *)(upload + AT_VIEW), &b->view, &b->frame.camera, &b->scene);
   for (uint32_t i = 0; i < CASCADES; ++i)
     plan_write_cascade_matrices((float *)(upload + AT_MATRICES + i * MATRICES_BYTES), &b->frame, i, &b->scene);
@@ -225,21 +243,25 @@ static csm_result make_images(bench *b) {
   return result;
 }
 
-/* GLSL is for Vulkan only: *out stays NULL elsewhere. */
-static csm_result make_forward(bench *b, uint32_t language, gpu_program **out) {
-  const gpu_code glsl = {.spirv = forward_glsl, .spirv_size = sizeof forward_glsl};
-  const bool vulkan = strcmp(b->gpu.api->name, "vulkan") == 0;
-  if (language && !vulkan)
+/* *out stays NULL where the device does not take the language. */
+static csm_result make_forward(bench *b, uint32_t reader, gpu_program **out) {
+  const gpu_code codes[READERS] = {
+      shader_forward_ps,
+      shader_forward_gathers_ps,
+      {.spirv = forward_glsl, .spirv_size = sizeof forward_glsl},
+      {.spirv = forward_depths_glsl, .spirv_size = sizeof forward_depths_glsl},
+  };
+  if (readers[reader].glsl && strcmp(b->gpu.api->name, "vulkan"))
     return CSM_SUCCESS;
   const gpu_program_info info = {
-      .name = language ? "forward, GLSL" : "forward, HLSL",
+      .name = readers[reader].name,
       .vertex = shader_screen_vs,
-      .pixel = language ? glsl : shader_forward_ps,
+      .pixel = codes[reader],
       .constants_count = 2,
       .constants_sizes = {MASK_CASCADES_BLOCK, 64},
       .texture_count = 1,
-      .sampler_count = 1,
-      .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL},
+      .sampler_count = readers[reader].sampler_count,
+      .samplers = {readers[reader].samplers[0], readers[reader].samplers[1]},
       .color_format = GPU_FORMAT_R8_UNORM,
       .cull = GPU_CULL_NONE,
   };
@@ -248,7 +270,7 @@ static csm_result make_forward(bench *b, uint32_t language, gpu_program **out) {
     return result;
   const gpu_bindings_info inputs = {
       .name = "forward", .program = *out, .constants = {b->upload, b->upload}, .textures = {b->maps}};
-  return b->gpu.api->bindings_create(b->gpu.device, &inputs, &b->forward_bindings[language]);
+  return b->gpu.api->bindings_create(b->gpu.device, &inputs, &b->forward_bindings[reader]);
 }
 
 static csm_result make_programs(bench *b) {
@@ -262,26 +284,29 @@ static csm_result make_programs(bench *b) {
       cascade_depth_program(b->gpu, &b->casters, GPU_CULL_NONE, (pass_vertices){.stride = 12}, &b->cascade_depth);
   if (!result)
     result = camera_depth_program(b->gpu, true, (pass_vertices){.stride = 12}, &b->camera_depth);
-  for (uint32_t filter = 0; filter < 2 && !result; ++filter)
+  for (uint32_t filter = 0; filter < FILTERS && !result; ++filter)
     result = mask_program(b->gpu, &(mask_kind){.filter = filter}, &b->mask[filter]);
   if (!result) {
     const gpu_bindings_info inputs = mask_inputs(b->mask[0], b->upload, b->maps, b->depth, NULL);
     result = b->gpu.api->bindings_create(b->gpu.device, &inputs, &b->mask_bindings);
   }
-  for (uint32_t language = 0; language < LANGUAGES && !result; ++language)
-    result = make_forward(b, language, &b->forward[language]);
+  for (uint32_t reader = 0; reader < READERS && !result; ++reader)
+    result = make_forward(b, reader, &b->forward[reader]);
   return result;
 }
 
 static void free_objects(bench *b) {
   const gpu_backend *api = b->gpu.api;
   gpu_device *device = b->gpu.device;
-  gpu_bindings *bindings[] = {b->mask_bindings, b->forward_bindings[0], b->forward_bindings[1]};
-  for (uint32_t i = 0; i < 3; ++i)
-    api->bindings_destroy(device, bindings[i]);
-  gpu_program *programs[] = {b->cascade_depth, b->camera_depth, b->mask[0], b->mask[1], b->forward[0], b->forward[1]};
-  for (uint32_t i = 0; i < sizeof programs / sizeof *programs; ++i)
-    api->program_destroy(device, programs[i]);
+  api->bindings_destroy(device, b->mask_bindings);
+  for (uint32_t i = 0; i < READERS; ++i) {
+    api->bindings_destroy(device, b->forward_bindings[i]);
+    api->program_destroy(device, b->forward[i]);
+  }
+  for (uint32_t i = 0; i < FILTERS; ++i)
+    api->program_destroy(device, b->mask[i]);
+  api->program_destroy(device, b->cascade_depth);
+  api->program_destroy(device, b->camera_depth);
   for (uint32_t i = 0; i < CASCADES; ++i)
     api->target_destroy(device, b->map_targets[i]);
   api->target_destroy(device, b->depth_target);
@@ -298,16 +323,16 @@ static void free_objects(bench *b) {
 
 /* ---- drawing ---- */
 
-static void record_forward(bench *b, uint32_t language) {
+static void record_forward(bench *b, uint32_t reader) {
   const gpu_backend *api = b->gpu.api;
-  if (!b->forward[language])
+  if (!b->forward[reader])
     return;
-  api->pass_begin(b->gpu.device, b->picture_targets[1 + language]);
-  api->pass_program(b->gpu.device, b->forward[language]);
-  api->pass_bind(b->gpu.device, b->forward_bindings[language], (const uint32_t[]){AT_BLOCKS, AT_PLANE});
+  api->pass_begin(b->gpu.device, b->picture_targets[1 + reader]);
+  api->pass_program(b->gpu.device, b->forward[reader]);
+  api->pass_bind(b->gpu.device, b->forward_bindings[reader], (const uint32_t[]){AT_BLOCKS, AT_PLANE});
   api->pass_draw(b->gpu.device, &(gpu_draw){.count = 3, .instance_count = 1});
   api->pass_end(b->gpu.device);
-  api->copy_image(b->gpu.device, b->readback, (uint64_t)(1 + language) * PIXELS, WIDTH, b->pictures[1 + language],
+  api->copy_image(b->gpu.device, b->readback, (uint64_t)(1 + reader) * PIXELS, WIDTH, b->pictures[1 + reader],
                   &(gpu_region){.width = WIDTH, .height = HEIGHT});
 }
 
@@ -355,8 +380,8 @@ static csm_result draw(bench *b, uint32_t filter) {
                                    .target = b->picture_targets[0],
                                    .constants_offset = AT_BLOCKS});
   api->copy_image(device, b->readback, 0, WIDTH, b->pictures[0], &(gpu_region){.width = WIDTH, .height = HEIGHT});
-  for (uint32_t language = 0; language < LANGUAGES; ++language)
-    record_forward(b, language);
+  for (uint32_t reader = 0; reader < READERS; ++reader)
+    record_forward(b, reader);
   const csm_result ended = api->end(device);
   return ended ? ended : api->wait(device, 0);
 }
@@ -375,49 +400,61 @@ static uint32_t differing(const uint8_t *a, const uint8_t *b, int more_than, int
 }
 
 /* The contract's tolerance: 1/255 on all but 0.01 % of the pixels. */
-static void compare_forward(bench *b, uint32_t filter, uint32_t language) {
-  if (!b->forward[language])
+static void compare_forward(bench *b, uint32_t filter, uint32_t bias_mode, uint32_t reader) {
+  if (!b->forward[reader] || (filter == CSM_FILTER_LINEAR_DEPTH && !readers[reader].depths))
     return;
   const uint8_t *mask = b->gpu.api->buffer_memory(b->readback);
   int largest;
-  const uint8_t *picture = mask + (1 + (size_t)language) * PIXELS;
+  const uint8_t *picture = mask + (1 + (size_t)reader) * PIXELS;
   const uint32_t any = differing(mask, picture, 0, &largest), wrong = differing(mask, picture, 1, &largest);
-  printf("%s, filter %u, %s: %u pixels differ, %u by more than 1/255, at most %d/255\n", b->gpu.api->name, filter,
-         language ? "GLSL" : "HLSL", any, wrong, largest);
+  printf("%s, filter %u, bias %u, %s: %u pixels differ, %u by more than 1/255, at most %d/255\n", b->gpu.api->name,
+         filter, bias_mode, readers[reader].name, any, wrong, largest);
   check(b, wrong <= PIXELS / 10000, "forward is within 1/255 of the mask on all but 0.01 % of the pixels");
 }
 
-/* There is something to compare: lit, shadowed and between. */
-static void check_mask(bench *b) {
+/* There is something to compare: lit, shadowed and, but where one comparison is all, between. */
+static void check_mask(bench *b, uint32_t filter) {
   const uint8_t *mask = b->gpu.api->buffer_memory(b->readback);
   uint32_t lit = 0, dark = 0;
   for (uint32_t i = 0; i < PIXELS; ++i) {
     lit += mask[i] == 255;
     dark += mask[i] == 0;
   }
-  printf("%u lit, %u dark, %u between\n", lit, dark, PIXELS - lit - dark);
-  check(b, lit > PIXELS / 5 && dark > PIXELS / 20 && PIXELS - lit - dark > PIXELS / 100, "the mask has shadows");
+  const bool once = filter == CSM_FILTER_NEAREST || filter == CSM_FILTER_LINEAR_DEPTH;
+  const uint32_t between = PIXELS - lit - dark;
+  printf("%u lit, %u dark, %u between\n", lit, dark, between);
+  check(b, lit > PIXELS / 5 && dark > PIXELS / 40 && (once ? !between : between > PIXELS / 100),
+        "the mask has shadows");
 }
 
-static void compare_filter(bench *b, uint32_t filter, uint8_t *mask) {
-  if (!make_plan(b, filter) || !check(b, draw(b, filter) == CSM_SUCCESS, "drawing"))
+static void compare_filter(bench *b, uint32_t filter, uint32_t bias_mode, uint8_t *mask) {
+  if (!make_plan(b, filter, bias_mode) || !check(b, draw(b, filter) == CSM_SUCCESS, "drawing"))
     return;
-  check_mask(b);
-  for (uint32_t language = 0; language < LANGUAGES; ++language)
-    compare_forward(b, filter, language);
+  check_mask(b, filter);
+  for (uint32_t reader = 0; reader < READERS; ++reader)
+    compare_forward(b, filter, bias_mode, reader);
   memcpy(mask, b->gpu.api->buffer_memory(b->readback), PIXELS);
 }
 
+/* No filter is drawn in place of another. */
+static void compare_masks(bench *b, uint8_t masks[FILTERS][PIXELS]) {
+  int largest;
+  for (uint32_t i = 0; i < FILTERS; ++i)
+    for (uint32_t k = 0; k < i; ++k)
+      check(b, differing(masks[i], masks[k], 1, &largest) > PIXELS / 500, "the filters can be told apart");
+}
+
 static void run(bench *b) {
-  static uint8_t masks[2][PIXELS];
+  static uint8_t masks[2][FILTERS][PIXELS];
   make_scene(b);
   b->frame_memory = allocate(NULL, plan_memory_size(BOXES + 1, 2, CASCADES), 16);
   b->view_memory = allocate(NULL, plan_memory_size(BOXES + 1, 2, 0), 16);
   if (check(b, !make_buffers(b) && !make_images(b) && !make_programs(b), "making objects")) {
-    for (uint32_t filter = 0; filter < 2; ++filter)
-      compare_filter(b, filter, masks[filter]);
-    int largest;
-    check(b, differing(masks[0], masks[1], 1, &largest) > PIXELS / 100, "the filters can be told apart");
+    for (uint32_t bias_mode = 0; bias_mode < 2; ++bias_mode)
+      for (uint32_t filter = 0; filter < FILTERS; ++filter)
+        if (!bias_mode || filter != CSM_FILTER_LINEAR_DEPTH) /* which has no texels for a plane */
+          compare_filter(b, filter, bias_mode, masks[bias_mode][filter]);
+    compare_masks(b, masks[0]);
   }
   free_objects(b);
   release(NULL, b->frame_memory);

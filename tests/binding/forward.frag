@@ -1,4 +1,4 @@
-// forward.ps.hlsl in GLSL, with names of its own and a sampler apart.
+// forward.ps.hlsl in GLSL, with names of its own and a sampler apart; FORWARD_DEPTHS: reading depths.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "csm_constants.h"
@@ -13,6 +13,11 @@ layout(set = 0, binding = 1) uniform plane_block
 };
 layout(set = 0, binding = 16) uniform texture2DArray sun_maps;
 layout(set = 0, binding = 48) uniform samplerShadow sun_sampler;
+
+#ifdef FORWARD_DEPTHS
+layout(set = 0, binding = 49) uniform sampler sun_point;
+#define CSM_DEPTHS sampler2DArray(sun_maps, sun_point)
+#endif
 
 #define CSM_CONSTANTS sun.constants
 #define CSM_MAPS sun_maps

@@ -10,7 +10,9 @@ cbuffer plane_block : register(b1)
     float4 plane[4]; // homogeneous position at (0, 0), its change for each pixel right and down; normal
 };
 Texture2DArray<float> csm_maps : register(t0);
-SamplerComparisonState csm_compare : register(s0);
+#ifdef CSM_POINT
+SamplerState CSM_POINT : register(s0);
+#endif
 
 #include "csm_sample.hlsl"
 

@@ -4,6 +4,7 @@ includes.py GLSLANG SPIRV_VAL SPIRV_DIS SOURCE_ROOT: shaders/include compiles as
 #include, in either language, with names of the includer's choice and each filter; and both languages lay the constants
 out as csm_constants.h says.
 """
+import concurrent.futures
 import pathlib
 import re
 import subprocess
@@ -17,7 +18,16 @@ count = int(re.search(r"#define CSM_C_COUNT (\d+)", (include / "csm_constants.h"
 hlsl = """#include "csm_constants.h"
 cbuffer shadows : register(b0) { float4 CONSTANTS[CSM_C_COUNT]; };
 Texture2DArray<float> MAPS : register(t0);
-SamplerComparisonState SAMPLER : register(s0);
+#ifdef CSM_POINT
+SamplerState CSM_POINT : register(s0);
+#endif
+#ifdef OWN_COMPARISON
+SamplerComparisonState compare : register(s1);
+#define CSM_COMPARE(uv, layer, reference) MAPS.SampleCmpLevelZero(compare, float3(uv, layer), reference)
+#endif
+#ifdef OWN_TEXEL
+#define CSM_TEXEL_LIT(texel, layer, reference) float(reference <= MAPS.Load(int4(int2(texel), int(layer), 0)))
+#endif
 #include "csm_sample.hlsl"
 float main(float4 p : SV_Position) : SV_Target { return csm_visibility(p.xyz, p.xyz, csm_view_depth(p.xyz)); }
 """
@@ -31,10 +41,23 @@ layout(set = 0, binding = 2) uniform samplerShadow CSM_SAMPLER;
 #else
 layout(set = 0, binding = 1) uniform sampler2DArrayShadow MAPS;
 #endif
+#ifdef CSM_DEPTHS
+layout(set = 0, binding = 3) uniform sampler2DArray CSM_DEPTHS;
+#endif
+#ifdef OWN_COMPARISON
+#define CSM_COMPARE(uv, layer, reference) textureGrad(MAPS, vec4(uv, layer, reference), vec2(0.0), vec2(0.0))
+#endif
+#ifdef OWN_TEXEL
+layout(set = 0, binding = 4) uniform texture2DArray texels;
+layout(set = 0, binding = 5) uniform sampler any;
+#define CSM_TEXEL_LIT(texel, layer, reference) \\
+    float(reference <= texelFetch(sampler2DArray(texels, any), ivec3(texel, layer), 0).x)
+#endif
 #include "csm_sample.glsl"
 layout(location = 0) out float lit;
 void main() { vec3 p = gl_FragCoord.xyz; lit = csm_visibility(p, p, csm_view_depth(p)); }
 """
+# Two suns by one include: what the macros name may depend on a variable.
 compute = """#version 450
 #extension GL_GOOGLE_include_directive : require
 #include "csm_constants.h"
@@ -42,7 +65,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(set = 0, binding = 0) uniform shadows { vec4 suns[2][CSM_C_COUNT]; };
 layout(set = 0, binding = 1) uniform sampler2DArrayShadow maps[2];
 layout(set = 0, binding = 2, r32f) uniform image2D lit;
-int sun; // two suns by one include: what the macros name may depend on a variable
+int sun;
 #define CSM_CONSTANTS suns[sun]
 #define AT(i, uv, layer, reference) textureGrad(maps[i], vec4(uv, layer, reference), vec2(0.0), vec2(0.0))
 #define CSM_COMPARE(uv, layer, reference) (sun == 0 ? AT(0, uv, layer, reference) : AT(1, uv, layer, reference))
@@ -56,20 +79,55 @@ void main()
     imageStore(lit, ivec2(p.xy), vec4(both * csm_visibility(p, p, csm_view_depth(p))));
 }
 """
+hlsl_suns = """#include "csm_constants.h"
+cbuffer shadows : register(b0) { float4 suns[2][CSM_C_COUNT]; };
+Texture2DArray<float> first : register(t0);
+Texture2DArray<float> second : register(t1);
+static int sun;
+float depth(float2 texel, float layer)
+{
+    int4 at = int4(int2(texel), int(layer), 0);
+    return sun == 0 ? first.Load(at) : second.Load(at);
+}
+#define CSM_TEXEL_LIT(texel, layer, reference) float(reference <= depth(texel, layer))
+#define CSM_CONSTANTS suns[sun]
+#include "csm_sample.hlsl"
+float main(float4 p : SV_Position) : SV_Target
+{
+    sun = 0;
+    float both = csm_visibility(p.xyz, p.xyz, csm_view_depth(p.xyz));
+    sun = 1;
+    return both * csm_visibility(p.xyz, p.xyz, csm_view_depth(p.xyz));
+}
+"""
 named = {"CSM_CONSTANTS": "c", "CSM_MAPS": "maps", "CONSTANTS": "c", "MAPS": "maps"}
 usual = {"CONSTANTS": "csm_c", "MAPS": "csm_maps"}
-cases = {}
-for taps in ({}, {"CSM_FILTER_TAPS": "1"}, {"CSM_FILTER_TAPS": "3"}):
-    label = f"taps {taps.get('CSM_FILTER_TAPS', 'as configured')}"
-    cases[f"HLSL, {label}"] = (hlsl, "frag", {**usual, **taps, "SAMPLER": "csm_compare"})
-    cases[f"HLSL, own names, {label}"] = (hlsl, "frag", {**named, **taps, "CSM_SAMPLER": "compare", "SAMPLER": "compare"})
-    cases[f"GLSL, {label}"] = (glsl, "frag", {**usual, **taps})
-    cases[f"GLSL, own names, sampler apart, {label}"] = (glsl, "frag", {**named, **taps, "CSM_SAMPLER": "compare"})
+LOAD, GATHER, GATHER_LIT, LIT = READS = "OpImageFetch", "OpImageGather", "OpImageDrefGather", "OpImageSampleDref"
+# How the maps are read in each language: four texels with what, single ones with what
+ways = {
+    "HLSL, loads": (hlsl, usual, {LOAD}, {LOAD}),
+    "HLSL, own names, gathers": (hlsl, {**named, "CSM_POINT": "point_sampler"}, {GATHER}, {LOAD}),
+    "HLSL, own comparison": (hlsl, {**usual, "OWN_COMPARISON": "1"}, {LIT}, {LIT}),
+    "HLSL, own comparison with a texel": (hlsl, {**usual, "OWN_TEXEL": "1"}, {LOAD}, {LOAD}),
+    "GLSL, gathers with comparison": (glsl, usual, {GATHER_LIT, LIT}, {LIT}),
+    "GLSL, own names, sampler apart": (glsl, {**named, "CSM_SAMPLER": "compare"}, {GATHER_LIT, LIT}, {LIT}),
+    "GLSL, own names, depths": (glsl, {**named, "CSM_DEPTHS": "depths"}, {GATHER}, {LIT}),
+    "GLSL, own comparison": (glsl, {**usual, "OWN_COMPARISON": "1"}, {LIT}, {LIT}),
+    "GLSL, own comparison with a texel": (glsl, {**usual, "OWN_TEXEL": "1"}, {LOAD}, {LOAD}),
+}
+NEAREST, FILTERS = 2, 10
+cases = {}  # source, stage, macros, the instructions that read, whether one is all
+for way, (source, defines, reads, texel_reads) in ways.items():
+    cases[f"{way}, as configured"] = source, "frag", defines, reads | texel_reads, False
+    for kind in (NEAREST, FILTERS - 1) if "own comparison" in way else range(FILTERS):
+        fixed, nearest = {**defines, "CSM_FILTER": str(kind)}, kind == NEAREST
+        cases[f"{way}, filter {kind}"] = source, "frag", fixed, texel_reads if nearest else reads, nearest
 for mode in ("0", "1"):
-    fixed = {**usual, "CSM_BIAS_MODE": mode, "CSM_FILTER_TAPS": "3"}
-    cases[f"HLSL, bias mode {mode}"] = (hlsl, "frag", {**fixed, "SAMPLER": "csm_compare"})
-    cases[f"GLSL, bias mode {mode}"] = (glsl, "frag", fixed)
-cases["GLSL, two suns in a compute shader"] = (compute, "comp", {})
+    fixed = {**usual, "CSM_BIAS_MODE": mode, "CSM_FILTER": "1"}
+    cases[f"HLSL, bias mode {mode}"] = hlsl, "frag", fixed, {LOAD}, False
+    cases[f"GLSL, bias mode {mode}"] = glsl, "frag", fixed, {GATHER_LIT, LIT}, False
+cases["GLSL, two suns in a compute shader"] = compute, "comp", {}, {LIT}, False
+cases["HLSL, two suns"] = hlsl_suns, "frag", {}, {LOAD}, False
 
 
 def run(*command):
@@ -83,7 +141,7 @@ def compile_case(folder, source, stage, defines):
     path, output = folder / "shader", folder / "shader.spv"
     path.write_text(source)
     language = ["--hlsl-iomap", "--shift-texture-binding", "16", "--shift-sampler-binding", "48", "-D", "-e", "main"] if (
-        source is hlsl) else []
+        source in (hlsl, hlsl_suns)) else []
     run(glslang, "-V", *language, "-S", stage, "--target-env", "vulkan1.1", f"-I{include}",
         *(f"-D{name}={value}" for name, value in defines.items()), "-o", output, path)
     run(spirv_val, "--target-env", "vulkan1.1", output)
@@ -99,33 +157,36 @@ def check_layout(text):
     assert f"OpMemberDecorate {block} 0 Offset 0\n" in text, "another offset"
 
 
-def comparisons(is_hlsl, defines):
-    """How many bilinear comparisons and fetches the code should have: a fixed filter or bias leaves the others out."""
-    slope = 0 if defines.get("CSM_BIAS_MODE") == "1" else 1 if "CSM_FILTER_TAPS" in defines else 2
-    plane = 0 if defines.get("CSM_BIAS_MODE") == "0" else 1
-    if is_hlsl:  # glslang puts a function of HLSL where it is called
-        return slope, plane if "CSM_FILTER_TAPS" in defines else 2 * plane
-    return slope + plane, 0
-
-
-failed = 0
-with tempfile.TemporaryDirectory() as scratch:
-    for name, (source, stage, defines) in cases.items():
+def check_case(case):
+    name, (source, stage, defines, reads, one) = case
+    with tempfile.TemporaryDirectory() as scratch:
         try:
             text = compile_case(pathlib.Path(scratch), source, stage, defines)
-            if stage == "frag":
+            if source in (hlsl, glsl):
                 check_layout(text)
-                found = len(re.findall("OpImageSampleDref", text)), len(re.findall("OpImageFetch", text))
-                assert found == comparisons(source is hlsl, defines), f"{found} comparisons and fetches"
+            found = {read: len(re.findall(read, text)) for read in READS}
+            assert {read for read in READS if found[read]} == reads, f"reads by {found}"
+            assert not one or sum(found.values()) == 1, f"not a single texel: {found}"
+            return 0
         except (RuntimeError, AssertionError) as error:
-            failed += 1
             print(f"{name}: {error}")
-    try:
-        compile_case(pathlib.Path(scratch), hlsl, "frag", {**usual, "SAMPLER": "csm_compare", "CSM_FILTER_TAPS": "2"})
+            return 1
+
+
+def refuses(source, value):
+    with tempfile.TemporaryDirectory() as scratch:
+        try:
+            compile_case(pathlib.Path(scratch), source, "frag", {**usual, "CSM_FILTER": value})
+        except RuntimeError as error:
+            return "CSM_FILTER is 0 to 9" in str(error)
+        return False
+
+
+with concurrent.futures.ThreadPoolExecutor(2) as pool:
+    failed = sum(pool.map(check_case, cases.items()))
+for source in (hlsl, glsl):
+    if not refuses(source, "10"):
         failed += 1
         print("a filter that is not there goes unseen")
-    except RuntimeError as error:
-        if "CSM_FILTER_TAPS is 1 or 3" not in str(error):
-            raise
 print(f"{len(cases)} ways to include, {failed} failures")
 sys.exit(1 if failed else 0)

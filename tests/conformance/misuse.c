@@ -188,7 +188,7 @@ static void meshes(void **state) {
       CASE("index size", info.index_size = 3, CSM_ERROR_INVALID_VALUE),
       CASE("stride", info.position_stride = 8, CSM_ERROR_INVALID_VALUE),
       CASE("odd stride", info.position_stride = 13, CSM_ERROR_INVALID_VALUE),
-      CASE("flags", info.flags = 1, CSM_ERROR_INVALID_VALUE),
+      CASE("flags", info.flags = 4, CSM_ERROR_INVALID_VALUE),
       CASE("an index out of range", info.vertex_count = 2, CSM_ERROR_INVALID_INDEX),
 #undef CASE
   };
@@ -436,6 +436,11 @@ static void masks_and_reading(void **state) {
   expect(&f, csm_resolve_mask(f.cascades, &mask), CSM_ERROR_UNSUPPORTED, "an engine's depth");
   mask = good, mask.normals = &mask;
   expect(&f, csm_resolve_mask(f.cascades, &mask), CSM_ERROR_UNSUPPORTED, "an engine's normals");
+  mask = good, mask.view = 3;
+  expect(&f, csm_resolve_mask(f.cascades, &mask), CSM_ERROR_INVALID_VALUE, "no such view");
+  assert_non_null(strstr(csm_last_error(f.context), "view 3"));
+  mask = good, mask.reserved = 1;
+  expect(&f, csm_resolve_mask(f.cascades, &mask), CSM_ERROR_INVALID_VALUE, "something reserved");
   unchanged(&f, &before);
 
   assert_int_equal(csm_read(NULL, &read), CSM_ERROR_NULL_POINTER);
@@ -453,6 +458,10 @@ static void masks_and_reading(void **state) {
   csm_stats stats = {0};
   assert_int_equal(csm_bind(NULL, &binding), CSM_ERROR_NULL_POINTER);
   assert_int_equal(csm_get_stats(NULL, &stats), CSM_ERROR_NULL_POINTER);
+  uint8_t drawn[SUPPORT_INSTANCES];
+  assert_int_equal(csm_get_casters(NULL, SUPPORT_INSTANCES, drawn), CSM_ERROR_NULL_POINTER);
+  expect(&f, csm_get_casters(f.cascades, SUPPORT_INSTANCES, NULL), CSM_ERROR_NULL_POINTER, "nowhere to tell casters");
+  expect(&f, csm_get_casters(f.cascades, SUPPORT_INSTANCES - 1, drawn), CSM_ERROR_INVALID_VALUE, "another count");
   expect(&f, csm_bind(f.cascades, NULL), CSM_ERROR_NULL_POINTER, "no binding");
   expect(&f, csm_bind(f.cascades, &binding), CSM_ERROR_STRUCT_SIZE, "a binding without struct_size");
   expect(&f, csm_get_stats(f.cascades, &stats), CSM_ERROR_STRUCT_SIZE, "stats without struct_size");
@@ -470,6 +479,7 @@ static void masks_and_reading(void **state) {
   binding.struct_size = sizeof binding;
   expect(&f, csm_bind(f.cascades, &binding), CSM_ERROR_INVALID_STATE, "a binding before the maps");
   expect(&f, csm_read(f.cascades, &all), CSM_ERROR_INVALID_STATE, "a map that was not drawn");
+  expect(&f, csm_get_casters(f.cascades, SUPPORT_INSTANCES, drawn), CSM_ERROR_INVALID_STATE, "casters before the maps");
   teardown(&f);
 }
 

@@ -6,7 +6,8 @@ cbuffer shadows : register(b0)
     float4 points[2]; // relative to csm_binding.origin
 };
 Texture2DArray<float> csm_maps : register(t0);
-SamplerComparisonState csm_compare : register(s0);
+SamplerState csm_point : register(s0);
+#define CSM_POINT csm_point
 RWStructuredBuffer<float> visibility : register(u0);
 #include "csm_sample.hlsl"
 

@@ -90,7 +90,8 @@ static void open_device(vulkan_engine *engine, vulkan_engine_kind kind) {
   const VkResult found = vkEnumeratePhysicalDevices(engine->instance, &count, &engine->physical);
   must(count == 1 && found >= 0 ? VK_SUCCESS : VK_ERROR_INITIALIZATION_FAILED, "a Vulkan device");
   engine->family = graphics_family(engine->physical);
-  engine->features = (VkPhysicalDeviceFeatures){.depthClamp = kind != VULKAN_ENGINE_CLIPPING};
+  engine->features = (VkPhysicalDeviceFeatures){.depthClamp = kind != VULKAN_ENGINE_CLIPPING,
+                                                .depthBiasClamp = kind == VULKAN_ENGINE_TYPICAL};
   const float priority = 1;
   const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                          .queueFamilyIndex = engine->family,

@@ -11,7 +11,7 @@
 #include <vulkan/vulkan.h>
 
 typedef enum vulkan_engine_kind {
-  VULKAN_ENGINE_TYPICAL, /* as Godot 4.6 opens one: 1.2 without any of its features, debug utils */
+  VULKAN_ENGINE_TYPICAL, /* as Godot 4.6 opens one: 1.2 without any of its features, depthBiasClamp, debug utils */
   VULKAN_ENGINE_BARE,    /* 1.1, depthClamp, and nothing else */
   VULKAN_ENGINE_CLIPPING /* 1.1 without depthClamp: csm cannot use it */
 } vulkan_engine_kind;

@@ -285,7 +285,7 @@ static void open_at_last(life *l, const fault *kind, int index, const picture *b
     const csm_result result = steps[index](l);
     disarm(l);
     if (!result) {
-      assert_true(call > 8);
+      assert_true(call > 4);
       return;
     }
     faults.lost = false; /* a device that was never used */

@@ -30,7 +30,8 @@ static void draw_own(own_result *out) {
 }
 
 /* The mask of the engine's own depth, and its normals if it has any; the camera needs no instances then. */
-static void resolve(vulkan_case *c, const csm_vulkan_image *depth, const csm_vulkan_image *normals, uint8_t *mask) {
+static void resolve_view(vulkan_case *c, uint32_t view, const csm_vulkan_image *depth, const csm_vulkan_image *normals,
+                         uint8_t *mask) {
   static case_image image;
   vulkan_engine_begin(c->engine);
   csm_frame frame = case_frame(c, step.time);
@@ -42,7 +43,8 @@ static void resolve(vulkan_case *c, const csm_vulkan_image *depth, const csm_vul
                               .width = width,
                               .height = height,
                               .camera_depth = depth,
-                              .normals = normals};
+                              .normals = normals,
+                              .view = view};
   assert_int_equal(csm_resolve_mask(c->cascades, &info), CSM_SUCCESS);
   case_copy(c, &step);
   vulkan_engine_end(c->engine);
@@ -50,6 +52,10 @@ static void resolve(vulkan_case *c, const csm_vulkan_image *depth, const csm_vul
   assert_int_equal(csm_retire(c->context, c->engine->frame), CSM_SUCCESS);
   case_read(c, c->engine->frame, &step, &image);
   memcpy(mask, image.mask, pixels);
+}
+
+static void resolve(vulkan_case *c, const csm_vulkan_image *depth, const csm_vulkan_image *normals, uint8_t *mask) {
+  resolve_view(c, CSM_VIEW_SHADOW, depth, normals, mask);
 }
 
 /* ---- depth ---- */
@@ -127,7 +133,7 @@ static void normals_of_every_coding_agree(void **state) {
   static own_result own;
   static float floats[pixels][4];
   static uint16_t coded[pixels][4];
-  static uint8_t with_floats[pixels], with_coded[pixels];
+  static uint8_t with_floats[pixels], with_coded[pixels], without[pixels];
   vulkan_engine engine;
   vulkan_case c;
   draw_own(&own);
@@ -151,6 +157,15 @@ static void normals_of_every_coding_agree(void **state) {
   /* What depth tells of normals may be wrong at edges. */
   assert_true(differences(with_floats, own.image.mask, 32) < 8);
   assert_true(differences(with_floats, with_coded, 2) < 8);
+  /* Views take their normals from the depth; and the mask is the same after them. */
+  for (uint32_t view = CSM_VIEW_CASCADE; view <= CSM_VIEW_DENSITY; ++view) {
+    resolve_view(&c, view, &images[0].native, NULL, with_coded);
+    resolve_view(&c, view, &images[0].native, &images[1].native, without);
+    assert_memory_equal(with_coded, without, pixels);
+    assert_true(differences(with_coded, with_floats, 2) > pixels / 8);
+  }
+  resolve(&c, &images[0].native, &images[1].native, without);
+  assert_memory_equal(with_floats, without, pixels);
   /* Taken for floats as they are, coded normals are others. */
   images[2].native.format = VK_FORMAT_R16G16B16A16_SFLOAT;
   resolve(&c, &images[0].native, &images[2].native, with_coded);

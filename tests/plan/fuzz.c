@@ -62,7 +62,7 @@ static void check_frame(const plan_frame *frame, const csm_config *config, const
   }
   assert_finite(floats, plan_write_constants(floats, frame, config) / (uint32_t)sizeof(float));
   assert_finite(floats,
-                plan_write_mask_constants(floats, frame, &frame->camera, 1, 16384, true) / (uint32_t)sizeof(float));
+                plan_write_mask_constants(floats, frame, &frame->camera, 1, 16384, true, 0) / (uint32_t)sizeof(float));
   plan_hash(frame, config, &scene->scene);
   plan_list list;
   plan_view_make(&list, &frame->camera, &scene->scene, scene->memory);

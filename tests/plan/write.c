@@ -142,7 +142,8 @@ static void mask_constants_lead_back_to_the_world(void **state) {
     const char *error = "";
     assert_int_equal(plan_camera_make(&made, view, projection, &error), CSM_SUCCESS);
     float m[CSM_M_COUNT * 4];
-    assert_int_equal(plan_write_mask_constants(m, &frame, &made, 640, 360, false), sizeof m);
+    assert_int_equal(plan_write_mask_constants(m, &frame, &made, 640, 360, false, CSM_VIEW_DENSITY), sizeof m);
+    assert_true(m[CSM_M_VIEW * 4] == CSM_VIEW_DENSITY);
     image_basis(&camera, &handedness);
     assert_true(m[CSM_M_CLEAR * 4] == (camera.reversed ? 0.0f : 1.0f));
     assert_true(m[CSM_M_CLEAR * 4 + 1] == (float)handedness);

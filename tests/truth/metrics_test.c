@@ -314,20 +314,15 @@ static void flicker_counts_what_should_stay(void **state) {
   metrics ignored = measure(p);
   (void)ignored;
   camera second = look((const double[3]){0, 0, 10}, (const double[3]){0, 0, -1}, 60.0, (double)WIDTH / HEIGHT);
-  float later[PIXELS], later_truth[PIXELS];
+  float later[PIXELS], later_truth[PIXELS], cascades[2][PIXELS];
   uint8_t seen[PIXELS];
   for (uint32_t i = 0; i < PIXELS; i++) {
     const uint32_t column = i % WIDTH;
     seen[i] = column >= 20;
     later[i] = p->mask[i] - (column < 60 ? 3.0f / 255.0f : column < 100 ? 1.0f / 255.0f : 0.0f);
     later_truth[i] = column >= 50 && column < 60 ? 0.0f : 1.0f;
-    if (column >= 150)
-      p->surfaces[i].view_depth = 41.0; /* 51 m from the second camera: in its next cascade */
-  }
-  csm_binding bindings[2] = {{.cascade_count = 2}, {.cascade_count = 2}};
-  for (int f = 0; f < 2; f++) {
-    bindings[f].cascades[0] = (csm_cascade_info){.near_depth = 0.1, .far_depth = 45.0};
-    bindings[f].cascades[1] = (csm_cascade_info){.near_depth = 45.0, .far_depth = 90.0};
+    cascades[0][i] = 1.0f / 255.0f;
+    cascades[1][i] = column < 150 ? 1.0f / 255.0f : 2.0f / 255.0f;
   }
   const flicker_pair pair = {.view = &p->view,
                              .kinds = p->kinds,
@@ -335,7 +330,7 @@ static void flicker_counts_what_should_stay(void **state) {
                              .second = &second,
                              .second_light = &p->light,
                              .shadow_distance = 100.0,
-                             .bindings = {&bindings[0], &bindings[1]},
+                             .cascades = {cascades[0], cascades[1]},
                              .visibility = {p->visibility, later_truth},
                              .masks = {p->mask, later}};
   flicker f = {0};

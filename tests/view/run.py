@@ -118,6 +118,17 @@ def brightness(rows, point):
     return sum(sum(row[3 * (x - 2):3 * (x + 2)]) for row in rows[y - 2:y + 2]) / (4 * 12)
 
 
+def colors(rows):
+    """The plain hues that a good part of the window has."""
+    found = {}
+    for row in rows[::3]:
+        for x in range(0, len(row), 9):
+            r, g, b = row[x:x + 3]
+            name = "red" if r > 1.6 * max(g, b, 20) else "green" if g > 1.3 * max(r, b, 20) else "blue" if b > 1.6 * max(r, g, 20) else ""
+            found[name] = found.get(name, 0) + 1
+    return {name for name, count in found.items() if name and count > 20}
+
+
 def check(folder, **display):
     write_scene(folder / "tower.gltf")
     rest = fly(folder, ".BB", "vulkan: 4 x 1024", "d3d12: 4 x 1024", "vulkan: 4 x 1024", **display)
@@ -129,6 +140,12 @@ def check(folder, **display):
     assert moved != rest
     tinted = fly(folder, "BC3FR", "d3d12: 4", "d3d12: 4", "d3d12: 3 x 1024", "d3d12: 3 x 1024", "d3d12: 3 x 2048", **display)
     assert tinted != rest
+    views = fly(folder, "CVVVVV", *(f"ms; {name}" for name in ("cascades", "density", "maps", "frusta", "culled", "lit")), **display)
+    assert views == rest, "the last view is not the first"
+    shown = [fly(folder, "V" * count, *["vulkan"] * count, **display) for count in range(1, 6)]
+    assert len({bytes().join(rows) for rows in (rest, *shown)}) == 6, "two views are the same"
+    hues = [colors(rows) for rows in shown]
+    assert "green" in hues[0] and "red" in hues[1] and hues[3] >= {"red", "green"} and hues[4] >= {"red", "green"}, hues
     maps = fly(folder, "2M", "2 x 1024", "2 x 1024", **display)
     assert maps[0] == bytes(6 * WIDTH) and any(maps[HEIGHT]), "the maps do not lie across the window's middle"
 

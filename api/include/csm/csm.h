@@ -188,7 +188,13 @@ CSM_API csm_result CSM_CALL csm_opacity_create(csm_context *context, const csm_o
  */
 CSM_API csm_result CSM_CALL csm_opacity_destroy(csm_context *context, csm_opacity opacity);
 
-enum { CSM_MESH_TWO_SIDED = 1u << 0 /* casts from both sides, whatever csm_config.cull_mode says: leaves, cloth */ };
+enum {
+  CSM_MESH_TWO_SIDED = 1u << 0, /* casts from both sides, whatever csm_config.cull_mode says: leaves, cloth */
+  /* It has an inside: every edge joins two faces, counter-clockwise seen from outside. The faces turned away from the
+     light are then behind others, and are not drawn with cull_mode none: the maps are the same, and cost less. */
+  CSM_MESH_CLOSED = 1u << 1
+};
+enum { CSM_CASTERS_MAP = 0, CSM_CASTERS_VIEW = 1 };
 
 struct csm_mesh_info {
   uint32_t struct_size;
@@ -321,6 +327,8 @@ typedef struct csm_config {
   uint32_t map_format;          /* CSM_MAP_* */
   uint32_t map_reversed;        /* 1: depth 1 is nearest to the light */
   uint32_t resolutions[CSM_MAX_CASCADES]; /* of single cascades; 0: `resolution` */
+  uint32_t caster_culling;                /* CSM_CASTERS_*: what is drawn into a map */
+  uint32_t reserved;                      /* 0 */
   double split_near;                      /* view depth in metres from which splits are spread; 0: the near plane */
   double filter_radius_texels;            /* POISSON, VOGEL: of their disc */
   double light_step_texels;    /* the light that maps are drawn with moves in steps: a step shifts what lies a map's
@@ -444,6 +452,20 @@ typedef struct csm_frame {
  */
 CSM_API csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame *frame);
 
+/*
+ * What a mask holds. Views are for people who look into shadows that are not as they should be; both are 0 where
+ * nothing is and beyond the last cascade, and take surfaces' normals from the depth.
+ */
+enum {
+  CSM_VIEW_SHADOW = 0,  /* visibility */
+  CSM_VIEW_CASCADE = 1, /* (cascade + 1) / 255, of the cascade that the point takes by `selection`: where two blend, of
+                           the nearer one, and where blending is dithered, of the one that the point got */
+  CSM_VIEW_DENSITY = 2  /* texels of that cascade's map for a pixel: (128 + 16 * log2(n)) / 255, the sum rounded and
+                           clamped to 1..255. n is the larger of the two distances in the map, in texels, that the point
+                           moves by from this pixel to the next one along a row and along a column of the mask, on its
+                           own surface: 1 is one texel for each pixel, less is coarse, more is wasted */
+};
+
 typedef struct csm_mask_info {
   uint32_t struct_size;
   uint32_t flags;           /* CSM_FRAME_* */
@@ -454,11 +476,14 @@ typedef struct csm_mask_info {
                                drawn with this camera; NULL draws the frame's instances */
   const void *normals;      /* engine's device: world-space unit normals, likewise; floats as they are, or normalised
                                integers from 0 for -1 to the largest for 1; NULL takes them from the depth */
+  uint32_t view;            /* CSM_VIEW_* */
+  uint32_t reserved;        /* 0 */
 } csm_mask_info;
 
 /*
  * Resolves a screen-space mask (1 lit, 0 shadowed; 1 where nothing is) from the maps that csm_render_cascades drew
- * last, with the selection, filter and bias of the configuration.
+ * last, with the selection, filter and bias of the configuration; or a view in the mask's place. A device's first view
+ * makes its program, which takes a while.
  * Errors: as csm_render_cascades, and INVALID_STATE (no maps have been drawn with this configuration yet).
  * [render-thread]
  */
@@ -484,10 +509,10 @@ typedef struct csm_binding {
   uint64_t native_mask;      /* likewise, the mask; 0 before the first csm_resolve_mask */
   uint64_t native_maps_view; /* Vulkan: VkImageView, 2D array, depth; D3D12: 0 */
   uint64_t native_mask_view; /* Vulkan: VkImageView, 2D; D3D12: 0 */
-  uint64_t native_sampler;  /* Vulkan: VkSampler for csm_compare: linear, clamped, less or equal; D3D12: 0, use a static
-                               sampler like that */
-  uint64_t maps_descriptor; /* in, D3D12: D3D12_CPU_DESCRIPTOR_HANDLE.ptr that gets a view of the maps; or 0 */
-  uint64_t mask_descriptor; /* in, D3D12: likewise of the mask, if there is one */
+  uint64_t native_sampler;   /* Vulkan: VkSampler that compares: linear, clamped, less or equal, or with map_reversed
+                                greater or equal; D3D12: 0 */
+  uint64_t maps_descriptor;  /* in, D3D12: D3D12_CPU_DESCRIPTOR_HANDLE.ptr that gets a view of the maps; or 0 */
+  uint64_t mask_descriptor;  /* in, D3D12: likewise of the mask, if there is one */
   uint32_t resolutions[CSM_MAX_CASCADES]; /* of each cascade's map, texels a side */
 } csm_binding;
 
@@ -543,6 +568,16 @@ typedef struct csm_stats {
  * [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_get_stats(csm_cascades *cascades, csm_stats *stats);
+
+/*
+ * Tells which instances of the last csm_render_cascades cast into which maps, and which were culled: drawn[i] gets bit
+ * K for cascade K that drew instance i of the frame. What an engine's callback draws is not counted. Records nothing.
+ * Preconditions: instance_count is that frame's.
+ *   `drawn` has room for so many bytes; it may be NULL if there are none.
+ * Errors: NULL_POINTER, INVALID_STATE (no maps have been drawn with this configuration yet), INVALID_VALUE (another
+ * count), DEVICE_LOST. [render-thread]
+ */
+CSM_API csm_result CSM_CALL csm_get_casters(csm_cascades *cascades, uint32_t instance_count, uint8_t *drawn);
 
 #ifdef __cplusplus
 }

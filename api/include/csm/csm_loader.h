@@ -42,7 +42,8 @@
   F(csm_result, resolve_mask, (csm_cascades * cascades, const csm_mask_info *info))                                    \
   F(csm_result, bind, (csm_cascades * cascades, csm_binding * binding))                                                \
   F(csm_result, read, (csm_cascades * cascades, const csm_read_info *info))                                            \
-  F(csm_result, get_stats, (csm_cascades * cascades, csm_stats * stats))
+  F(csm_result, get_stats, (csm_cascades * cascades, csm_stats * stats))                                               \
+  F(csm_result, get_casters, (csm_cascades * cascades, uint32_t instance_count, uint8_t * drawn))
 
 typedef struct csm_functions {
 #define CSM_FIELD(type, name, arguments) type(CSM_CALL *name) arguments;

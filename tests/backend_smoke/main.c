@@ -1,0 +1,135 @@
+/*
+ * main.c: one backend alone, through gpu.h, against results known by analysis.
+ *
+ *   backend_smoke BACKEND [DEVICE]
+ *
+ * BACKEND is a backend's library. Exits with 0 if all holds, with 1 and a list of what does not otherwise, with 3
+ * without a device.
+ */
+#include "smoke.h"
+
+#include <dlfcn.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- the host's side ---- */
+
+static void *CSM_CALL count_allocate(void *user, size_t size, size_t alignment) {
+  ((smoke *)user)->live_allocations++;
+  void *memory = aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+  return memory ? memset(memory, 0xcd, size) : NULL;
+}
+
+static void CSM_CALL count_release(void *user, void *memory) {
+  ((smoke *)user)->live_allocations--;
+  free(memory);
+}
+
+static void CSM_CALL count_message(void *user, int32_t level, const char *message) {
+  if (level <= CSM_LOG_WARNING)
+    ((smoke *)user)->messages++;
+  fprintf(stderr, "log %d: %s\n", level, message);
+}
+
+/* ---- opening ---- */
+
+static void test_refusals(smoke *s) {
+  char error[256] = "";
+  gpu_device *device = NULL;
+  gpu_open_info info = {
+      .host = &s->host, .device_name = "no such device", .slots = SLOTS, .error = error, .error_size = sizeof error};
+  csm_result result = s->gpu->open(&info, &device);
+  CHECK(s, result == CSM_ERROR_NO_DEVICE && !device && error[0], "an unknown name: %d", result);
+  error[0] = 0;
+  info.device_name = NULL;
+  info.native = &(uint32_t){0};
+  result = s->gpu->open(&info, &device);
+  CHECK(s, result == CSM_ERROR_STRUCT_SIZE && !device && error[0], "an engine's device without struct_size: %d",
+        result);
+}
+
+static void check_info(smoke *s, const gpu_open_info *open) {
+  gpu_device_info info, queried;
+  memset(&info, 0, sizeof info);
+  memset(&queried, 0, sizeof queried);
+  s->gpu->describe(s->device, &info);
+  CHECK(s, s->gpu->query(open, &queried) == CSM_SUCCESS, "query");
+  CHECK(s, strcmp(info.name, queried.name) == 0 && info.max_image_size == queried.max_image_size, "%s, %s", info.name,
+        queried.name);
+  CHECK(s, info.name[0] && info.driver[0] && info.required && info.optional, "texts");
+  CHECK(s, info.max_image_size >= 4096 && info.max_image_layers >= 256, "%u, %u", info.max_image_size,
+        info.max_image_layers);
+  CHECK(s, info.max_allocation_size >= 1 << 27 && info.max_allocation_size <= info.memory_size, "%llu of %llu",
+        (unsigned long long)info.max_allocation_size, (unsigned long long)info.memory_size);
+  CHECK(s, info.max_buffer_size >= 1 << 27, "%llu", (unsigned long long)info.max_buffer_size);
+  printf("%s: %s; %s; images to %u, %u layers; allocations to %.2f GiB of %.2f\n", s->gpu->name, info.name, info.driver,
+         info.max_image_size, info.max_image_layers, (double)info.max_allocation_size / (1 << 30),
+         (double)info.memory_size / (1 << 30));
+}
+
+static bool load(smoke *s, const char *path) {
+  void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+  void *symbol = library ? dlsym(library, GPU_HANDSHAKE_SYMBOL) : NULL;
+  CHECK(s, symbol, "%s", dlerror());
+  if (!symbol)
+    return false;
+  gpu_handshake_function handshake;
+  memcpy(&handshake, &symbol, sizeof symbol);
+  gpu_handshake hello = {.front_oldest = GPU_INTERFACE_VERSION + 1, .front_newest = GPU_INTERFACE_VERSION + 2};
+  handshake(&hello);
+  CHECK(s, !hello.backend && hello.backend_oldest <= hello.backend_newest, "no common version");
+  hello = (gpu_handshake){.front_oldest = GPU_INTERFACE_VERSION, .front_newest = GPU_INTERFACE_VERSION};
+  handshake(&hello);
+  CHECK(s, hello.backend, "versions %u to %u", hello.backend_oldest, hello.backend_newest);
+  s->gpu = hello.backend;
+  return hello.backend;
+}
+
+int main(int count, char **arguments) {
+  if (count < 2) {
+    fprintf(stderr, "usage: backend_smoke BACKEND [DEVICE]\n");
+    return 2;
+  }
+  smoke s = {0};
+  s.host = (gpu_host){.user = &s, .allocate = count_allocate, .release = count_release, .log = count_message};
+  if (!load(&s, arguments[1]))
+    return 1;
+  char error[256] = "";
+  const gpu_open_info info = {.host = &s.host,
+                              .device_name = count > 2 ? arguments[2] : NULL,
+                              .validate = true,
+                              .slots = SLOTS,
+                              .error = error,
+                              .error_size = sizeof error};
+  const csm_result result = s.gpu->open(&info, &s.device);
+  if (result != CSM_SUCCESS) {
+    fprintf(stderr, "open: %d: %s\n", result, error);
+    return result == CSM_ERROR_NO_DEVICE ? 3 : 1;
+  }
+  check_info(&s, &info);
+  CHECK(&s, s.gpu->wait(s.device, 2) == CSM_SUCCESS, "a slot that was never used");
+  make_objects(&s);
+  if (s.failures)
+    return 1;
+  test_frames(&s);
+  test_culling(&s);
+  test_clamping(&s);
+  test_slope(&s);
+  test_bias(&s);
+  test_areas(&s);
+  test_d16(&s);
+  test_native(&s);
+  test_clears(&s);
+  test_compares(&s);
+  test_pairs(&s);
+  test_memory(&s);
+  test_copies(&s);
+  test_regions(&s);
+  free_objects(&s);
+  s.gpu->close(s.device);
+  CHECK(&s, s.messages == 0, "%u messages", s.messages);
+  test_refusals(&s);
+  CHECK(&s, s.live_allocations == 0, "%lld allocations are left", (long long)s.live_allocations);
+  printf("%u failures\n", s.failures);
+  return s.failures != 0;
+}

@@ -1,0 +1,159 @@
+/* config.c: every bad value and every contradiction of a configuration is refused by name, and changes nothing. */
+#include "support.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { resolution = 64, texels = resolution * resolution };
+
+typedef struct fixture {
+  record record;
+  csm_context *context;
+  csm_cascades *cascades;
+  csm_config good;
+  csm_binding binding;
+  float *map;
+} fixture;
+
+static void open_fixture(fixture *f) {
+  memset(f, 0, sizeof *f);
+  f->context = support_open(&f->record);
+  f->record.quiet = true;
+  f->good = support_config();
+  f->good.resolution = resolution;
+  support_scene scene;
+  support_scene_make(&scene, f->context);
+  assert_int_equal(csm_cascades_create(f->context, &f->good, &f->cascades), CSM_SUCCESS);
+  assert_int_equal(csm_render_cascades(f->cascades, &scene.frame), CSM_SUCCESS);
+  f->binding.struct_size = sizeof f->binding;
+  assert_int_equal(csm_bind(f->cascades, &f->binding), CSM_SUCCESS);
+  f->map = support_read(f->cascades, CSM_READ_MAP, 0, resolution, resolution);
+}
+
+/* What was drawn is there as it was. */
+static void close_fixture(fixture *f) {
+  csm_binding binding = {.struct_size = sizeof binding};
+  assert_int_equal(csm_bind(f->cascades, &binding), CSM_SUCCESS);
+  assert_memory_equal(&binding, &f->binding, sizeof binding);
+  float *map = support_read(f->cascades, CSM_READ_MAP, 0, resolution, resolution);
+  assert_memory_equal(map, f->map, texels * sizeof *map);
+  free(map);
+  free(f->map);
+  support_close(f->context, &f->record);
+}
+
+static void expect(fixture *f, const csm_config *config, csm_result expected, const char *text) {
+  csm_cascades *made = (csm_cascades *)f;
+  const int64_t blocks = f->record.blocks;
+  const csm_result results[2] = {csm_cascades_create(f->context, config, &made),
+                                 csm_cascades_configure(f->cascades, config)};
+  assert_null(made);
+  for (int i = 0; i < 2; ++i)
+    if (results[i] != expected || !strstr(csm_last_error(f->context), text))
+      fail_msg("%s: %s (%s), not %s", text, csm_result_name(results[i]), csm_last_error(f->context),
+               csm_result_name(expected));
+  assert_int_equal(f->record.blocks, blocks);
+}
+
+/* Each element of each field, just outside its range at either end, and no number at all. */
+static void values_out_of_range(void **state) {
+  (void)state;
+  fixture f;
+  open_fixture(&f);
+  csm_config_field field = {.struct_size = sizeof field};
+  uint32_t refused = 0;
+  for (uint32_t i = 0; csm_config_describe(i, &field) == CSM_SUCCESS; ++i)
+    for (uint32_t k = 0; k < field.length; ++k) {
+      csm_config config = f.good;
+      char *const at = (char *)&config + field.offset;
+      if (field.type == CSM_FIELD_DOUBLE || field.type == CSM_FIELD_DOUBLES) {
+        double *value = (double *)(void *)at + k;
+        const double outside[] = {nextafter(field.minimum, -INFINITY), nextafter(field.maximum, INFINITY)};
+        for (int end = 0; end < 2; ++end, ++refused) {
+          *value = outside[end];
+          expect(&f, &config, CSM_ERROR_INVALID_VALUE, field.name);
+        }
+        *value = NAN;
+        expect(&f, &config, CSM_ERROR_NOT_FINITE, field.name);
+        *value = -INFINITY;
+        expect(&f, &config, CSM_ERROR_NOT_FINITE, field.name);
+      } else {
+        uint32_t *value = (uint32_t *)(void *)at + k;
+        *value = (uint32_t)field.maximum + 1;
+        expect(&f, &config, CSM_ERROR_INVALID_VALUE, field.name);
+        *value = UINT32_MAX;
+        expect(&f, &config, CSM_ERROR_INVALID_VALUE, field.name);
+        *value = (uint32_t)field.minimum - 1;
+        expect(&f, &config, CSM_ERROR_INVALID_VALUE, field.name);
+        ++refused;
+      }
+    }
+  assert_true(refused > 60);
+  close_fixture(&f);
+}
+
+static void contradictions(void **state) {
+  (void)state;
+  fixture f;
+  open_fixture(&f);
+  csm_config c;
+  const struct {
+    csm_config config;
+    const char *text;
+  } cases[] = {
+#define CASE(what, change) {(c = f.good, change, c), what}
+      CASE("split_distances do not rise", c.split_mode = CSM_SPLIT_MANUAL),
+      CASE("split_distances do not rise", (c.split_mode = CSM_SPLIT_SHARES, c.split_distances[0] = 0.5)),
+      CASE("split_distances are shares", (c.split_mode = CSM_SPLIT_SHARES, c.split_distances[0] = 0.2,
+                                          c.split_distances[1] = 0.5, c.split_distances[2] = 1.5)),
+      CASE("sample_distribution splits", (c.split_mode = CSM_SPLIT_MANUAL, c.sample_distribution = CSM_SAMPLES_SPLITS)),
+      CASE("filter_taps of filter pcf_n", (c.filter = CSM_FILTER_PCF_N, c.filter_taps = 4)),
+      CASE("filter_taps of filter pcf_n", (c.filter = CSM_FILTER_PCF_N, c.filter_taps = 1)),
+      CASE("filter_taps of filter pcf_n", (c.filter = CSM_FILTER_PCF_N, c.filter_taps = 33)),
+      CASE("filter_taps of filter vogel", (c.filter = CSM_FILTER_VOGEL, c.filter_taps = 0)),
+      CASE("filter_weights", (c.filter = CSM_FILTER_POISSON, c.filter_weights = CSM_WEIGHTS_GAUSSIAN)),
+      CASE("filter_weights", (c.filter = CSM_FILTER_PCF_2X2, c.filter_weights = CSM_WEIGHTS_CASTANO)),
+      CASE("filter_weights castano", (c.filter = CSM_FILTER_PCF_N, c.filter_weights = CSM_WEIGHTS_CASTANO)),
+      CASE("filter_early_out", c.filter_early_out = 1),
+      CASE("filter_early_out", (c.filter = CSM_FILTER_VOGEL, c.filter_early_out = 1)),
+      CASE("bias_mode receiver_plane", c.filter = CSM_FILTER_LINEAR_DEPTH),
+      CASE("snap_power", (c.snap_mode = CSM_SNAP_OFF, c.snap_power = 2)),
+      CASE("resolutions", c.resolutions[1] = 15),
+      CASE("resolution is too small", (c.resolutions[2] = 24, c.filter = CSM_FILTER_PCF_N, c.filter_taps = 31)),
+      CASE("blend_share", (c.blend_mode = CSM_BLEND_DITHERED, c.blend_share = 0)),
+      CASE("fade_share", (c.beyond = CSM_BEYOND_FADED, c.fade_share = 0)),
+#undef CASE
+  };
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
+    expect(&f, &cases[i].config, CSM_ERROR_INVALID_VALUE, cases[i].text);
+  close_fixture(&f);
+}
+
+/* Making and freeing, with no frame between, holds no memory: ten times what the limit allows would not fit else. */
+static void what_is_freed_without_a_frame_is_free(void **state) {
+  (void)state;
+  record record = {0};
+  csm_create_info info = support_create_info(&record);
+  info.memory_limit = 16 << 20;
+  csm_context *context;
+  assert_int_equal(csm_create(&info, &context), CSM_SUCCESS);
+  csm_config config = support_config();
+  config.cascade_count = 8;
+  for (int i = 0; i < 80; ++i) {
+    csm_cascades *cascades;
+    config.map_layout = (uint32_t)i % 2;
+    assert_int_equal(csm_cascades_create(context, &config, &cascades), CSM_SUCCESS);
+    assert_int_equal(csm_cascades_destroy(cascades), CSM_SUCCESS);
+  }
+  support_close(context, &record);
+}
+
+int main(int argc, char **argv) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(values_out_of_range),
+      cmocka_unit_test(contradictions),
+      cmocka_unit_test(what_is_freed_without_a_frame_is_free),
+  };
+  return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
+}

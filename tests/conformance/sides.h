@@ -1,0 +1,32 @@
+/* sides.h: two backends in one process, and what they must agree in. */
+#ifndef SIDES_H
+#define SIDES_H
+
+#include "support.h"
+
+typedef struct side {
+  record record;
+  csm_context *context;
+  csm_mesh meshes[2]; /* a square, a box */
+  csm_cascades *cascades;
+} side;
+
+void side_open(side *side, const char *backend);
+void side_close(side *side);
+
+/* The plans, and what shaders get of them, are equal in every byte; something was drawn. */
+void sides_same_plan(const side *a, const side *b);
+
+typedef struct sides_difference {
+  uint32_t texels;    /* that differ by more than the tolerance */
+  float largest;      /* difference of any */
+  double lit, shaded; /* shares of a mask at 1, and at 0 */
+} sides_difference;
+
+sides_difference sides_compare(const side *a, const side *b, uint32_t source, uint32_t cascade, uint32_t width,
+                               uint32_t height, float tolerance);
+/* Maps and camera depth bit for bit, masks within 1/255 on all but 0.01 % of pixels; returns the masks' difference. */
+sides_difference sides_same_images(const side *a, const side *b, const csm_config *config, uint32_t width,
+                                   uint32_t height);
+
+#endif
