@@ -106,8 +106,8 @@ bool plan_samples_usable(const plan_samples *samples, const plan_camera *camera,
     const double step = camera->position[i] - then->position[i];
     moved += step * step;
   }
-  const double ahead = plan_dot(then->forward, camera->forward);
-  return ahead >= cos(most) && right >= cos(most) && sqrt(moved) <= config->sample_margin * farthest_depth(samples);
+  const double ahead = plan_dot(then->forward, camera->forward), farthest = farthest_depth(samples);
+  return farthest > 0.0 && ahead >= cos(most) && right >= cos(most) && sqrt(moved) <= config->sample_margin * farthest;
 }
 
 /* ---- splits ---- */

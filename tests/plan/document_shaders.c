@@ -119,6 +119,7 @@ static int microsoft_index(double depth, const double *far_depths, int count) {
 static void check_indices(uint32_t count) {
   csm_config config = default_config();
   config.cascade_count = count;
+  config.selection = CSM_SELECT_INTERVAL;
   maps_make(maps, &config, sun);
   maps_draw_plane(maps, up, (double[]){0.0, 5.0, 0.0}, 0.0);
   const float normal[3] = {0.0f, 1.0f, 0.0f};
@@ -303,6 +304,7 @@ static void microsofts_blend_begins_at_the_wrong_split(void **state) {
   (void)state;
   csm_config config = default_config();
   config.blend_mode = CSM_BLEND_LINEAR;
+  config.selection = CSM_SELECT_INTERVAL;
   maps_make(maps, &config, sun);
   double ends[4];
   for (int c = 0; c < 4; ++c)

@@ -167,8 +167,8 @@ enum { tail = offsetof(csm_config, fit_mode), old_constants = CSM_C_RECTS * 4 };
 
 static void modes_of_the_tail_default_to_zero(void **state) {
   (void)state;
-  static const char *const others[] = {"filter_taps", "filter_radius_texels", "sample_margin", "blend_share",
-                                       "fade_share"};
+  static const char *const others[] = {"filter_taps", "filter_radius_texels", "sample_margin",
+                                       "selection",   "blend_share",          "fade_share"};
   for (uint32_t i = 0; plan_config_field(i); ++i) {
     const csm_config_field *field = plan_config_field(i);
     if (field->offset < tail || field->default_value == 0.0)
