@@ -29,7 +29,11 @@ void bench_table_filters(bench_table *out, const csm_config *config) {
                        .about = "the mask's pass alone, to one tap and to a bare pass that rebuilds positions",
                        .base = {"nearest", *config}};
   out->base.config.filter = CSM_FILTER_NEAREST;
-  add_filter(out, "linear_depth", CSM_FILTER_LINEAR_DEPTH);
+  out->base.config.filter_weights = CSM_WEIGHTS_UNIFORM;
+  out->base.config.filter_early_out = 0;
+  csm_config *linear = add(out, "linear_depth");
+  linear->filter = CSM_FILTER_LINEAR_DEPTH;
+  linear->bias_mode = CSM_BIAS_SLOPE; /* one comparison has no plane to place texels on */
   add_filter(out, "pcf_2x2", CSM_FILTER_PCF_2X2);
   add_filter(out, "pcf_3x3", CSM_FILTER_PCF_3X3);
   add_filter(out, "pcf_5x5", CSM_FILTER_PCF_5X5);
