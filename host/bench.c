@@ -1,6 +1,8 @@
 #include "bench.h"
+#include "bench_bare.h"
 #include "bench_engine.h"
 #include "bench_plan.h"
+#include "bench_rows.h"
 #include "bench_switch.h"
 #include "config_json.h"
 #include "floor.h"
@@ -18,6 +20,7 @@
 #define WARM_UP 3u
 #define MANY_INSTANCES 10000u
 #define SWITCH_ROUNDS 7u
+#define BENCH_TABLES 3
 #define MAX_CONTENDERS (HOST_BACKENDS + 1)
 
 /* What is timed: a backend's depth pass, or the bare loop where stage is NULL. */
@@ -40,6 +43,9 @@ typedef struct bench {
   estimate many_plan; /* planning MANY_INSTANCES */
   bench_switch switching;
   bench_engine engine; /* drawing them on an engine's Vulkan device; no frames: not measured */
+  bench_bare bare;
+  bench_rows rows[BENCH_TABLES]; /* as many as were wanted */
+  uint32_t table_count;
 } bench;
 
 /* ---- setting up ---- */
@@ -163,6 +169,55 @@ static int time_switching(bench *b) {
   return bench_switch_run(&b->switching, &b->setup, b->options->device, b->options->quick ? 2 : SWITCH_ROUNDS);
 }
 
+/* ---- tables of configurations ---- */
+
+static bool wanted(const bench *b, const char *part) {
+  return !b->options->only || strcmp(b->options->only, part) == 0;
+}
+
+static double draw_floor(void *user) {
+  return floor_frame(user) < 0.0 ? -1.0 : floor_gpu_ms(user);
+}
+
+static double draw_bare_floor(void *user) {
+  return bare_mask_draw(user, BARE_FLOOR);
+}
+
+static int time_table(bench *b, const bench_table *table, bench_floor floor) {
+  if (!wanted(b, table->name))
+    return 0;
+  return bench_rows_run(&b->rows[b->table_count++], table, b->stages, b->stage_count, floor, b->pairs);
+}
+
+/* The bare pass's device is open only while it is needed. */
+static int time_masks(bench *b) {
+  bench_table table;
+  bare_mask *bare = NULL;
+  int code = 0;
+  if (b->floor && (wanted(b, "filters") || wanted(b, "modes")))
+    code = bench_bare_open(&bare, &b->stages[0], &b->setup.config, &b->plan, b->options->device);
+  const bench_floor floor = {bare ? draw_bare_floor : NULL, bare};
+  bench_table_filters(&table, &b->setup.config);
+  if (code == 0)
+    code = time_table(b, &table, floor);
+  bench_table_modes(&table, &b->setup.config);
+  if (code == 0)
+    code = time_table(b, &table, floor);
+  bare_mask_close(bare);
+  return code;
+}
+
+static int time_tables(bench *b) {
+  bench_table table;
+  int code = time_masks(b);
+  bench_table_maps(&table, &b->setup.config);
+  if (code == 0)
+    code = time_table(b, &table, (bench_floor){b->floor ? draw_floor : NULL, b->floor});
+  if (code == 0 && b->floor && wanted(b, "bare"))
+    code = bench_bare_run(&b->bare, &b->stages[0], &b->setup.config, &b->plan, b->options->device, b->pairs);
+  return code;
+}
+
 /* ---- results ---- */
 
 /* What a later contender may take at most, as a multiple of the one before it: Vulkan of the bare loop, D3D12 of
@@ -175,13 +230,14 @@ static const char *device_of(const bench *b, const contender *c) {
   return c->stage ? c->stage->device : b->stages[0].device;
 }
 
-static void print_results(FILE *to, const bench *b) {
+static void print_setup(FILE *to, const bench *b) {
   const host_setup *setup = &b->setup;
-  fprintf(to,
-          "depth pass of scene %s: %u maps of %u x %u, %zu instances, %" PRIu64
-          " triangles; %u rounds in turn, %ld cores\n",
+  fprintf(to, "scene %s: %u maps of %u x %u, %zu instances, %" PRIu64 " triangles; %u rounds in turn, %ld cores\n",
           setup->scene.name, setup->config.cascade_count, setup->config.resolution, setup->config.resolution,
           setup->scene.instance_count, scene_triangles(&setup->scene), b->pairs, sysconf(_SC_NPROCESSORS_ONLN));
+}
+
+static void print_results(FILE *to, const bench *b) {
   fprintf(to, "\n  %-14s %9s   %-21s device\n", "", "median ms", "95 % interval");
   for (uint32_t i = 0; i < b->contender_count; i++) {
     const contender *c = &b->contenders[i];
@@ -201,7 +257,7 @@ static void print_results(FILE *to, const bench *b) {
   }
   const double frame = time_of(b, &b->contenders[b->contender_count - b->stage_count]).median;
   fprintf(to, "\n  planning %u instances for %u cascades: %.3f ms (%.3f .. %.3f), %.2f %% of a %s frame\n",
-          MANY_INSTANCES, setup->config.cascade_count, b->many_plan.median, b->many_plan.low, b->many_plan.high,
+          MANY_INSTANCES, b->setup.config.cascade_count, b->many_plan.median, b->many_plan.low, b->many_plan.high,
           100.0 * b->many_plan.median / frame, b->stages[0].backend);
 }
 
@@ -241,8 +297,8 @@ static json_t *time_to_json(const bench *b, const contender *c) {
   return object;
 }
 
-static json_t *results_to_json(const bench *b) {
-  json_t *object = json_object(), *times = json_array(), *ratios = json_array();
+static void depth_to_json(json_t *object, const bench *b) {
+  json_t *times = json_array(), *ratios = json_array();
   for (uint32_t i = 0; i < b->contender_count; i++)
     json_array_append_new(times, time_to_json(b, &b->contenders[i]));
   for (uint32_t i = 1; i < b->contender_count; i++) {
@@ -256,10 +312,6 @@ static json_t *results_to_json(const bench *b) {
   }
   json_t *planning = named_estimate("plan_ms", &b->many_plan);
   json_object_set_new(planning, "instances", json_integer(MANY_INSTANCES));
-  json_object_set_new(object, "scene", json_string(b->setup.scene.name));
-  json_object_set_new(object, "cores", json_integer(sysconf(_SC_NPROCESSORS_ONLN)));
-  json_object_set_new(object, "pairs", json_integer(b->pairs));
-  json_object_set_new(object, "config", config_to_json(&b->setup.config));
   json_object_set_new(object, "depth_ms", times);
   json_object_set_new(object, "ratios", ratios);
   json_object_set_new(object, "planning", planning);
@@ -273,23 +325,59 @@ static json_t *results_to_json(const bench *b) {
     json_object_set_new(engine, "frames", json_integer(b->engine.frames));
     json_object_set_new(object, "engine", engine);
   }
+}
+
+static json_t *results_to_json(const bench *b) {
+  json_t *object = json_object(), *drivers = json_object();
+  for (uint32_t i = 0; i < b->stage_count; i++)
+    json_object_set_new(drivers, b->stages[i].backend, json_string(b->stages[i].driver));
+  json_object_set_new(object, "scene", json_string(b->setup.scene.name));
+  json_object_set_new(object, "cores", json_integer(sysconf(_SC_NPROCESSORS_ONLN)));
+  json_object_set_new(object, "pairs", json_integer(b->pairs));
+  json_object_set_new(object, "config", config_to_json(&b->setup.config));
+  json_object_set_new(object, "drivers", drivers);
+  if (wanted(b, "depth"))
+    depth_to_json(object, b);
+  for (uint32_t i = 0; i < b->table_count; i++)
+    json_object_set_new(object, b->rows[i].table.name, bench_rows_to_json(&b->rows[i]));
+  if (b->bare.pairs)
+    json_object_set_new(object, "bare", bench_bare_to_json(&b->bare));
   return object;
+}
+
+static void print_all(FILE *to, const bench *b) {
+  print_setup(to, b);
+  if (wanted(b, "depth")) {
+    print_results(to, b);
+    print_engine(to, b);
+    print_switching(to, b);
+  } else {
+    for (uint32_t i = 0; i < b->stage_count; i++)
+      fprintf(to, "  %-8s %s; %s\n", b->stages[i].backend, b->stages[i].device, b->stages[i].driver);
+  }
+  for (uint32_t i = 0; i < b->table_count; i++)
+    bench_rows_print(to, &b->rows[i]);
+  if (b->bare.pairs)
+    bench_bare_print(to, &b->bare);
+}
+
+static int time_depth(bench *b) {
+  int code = time_all(b);
+  if (code == 0)
+    code = time_planning(b);
+  return code ? code : time_switching(b);
 }
 
 int bench_command(const host_options *options) {
   bench *b = host_allocate(1, sizeof *b);
   b->options = options;
   int code = open_all(b);
+  if (code == 0 && wanted(b, "depth"))
+    code = time_depth(b);
   if (code == 0)
-    code = time_all(b);
-  if (code == 0)
-    code = time_planning(b);
-  if (code == 0)
-    code = time_switching(b);
+    code = time_tables(b);
   if (code == 0) {
-    print_results(output_table(options), b);
-    print_engine(output_table(options), b);
-    print_switching(output_table(options), b);
+    print_all(output_table(options), b);
     code = output_json(options, results_to_json(b));
   }
   close_all(b);

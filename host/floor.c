@@ -3,7 +3,7 @@
 #include "clock.h"
 #include "host.h"
 #include "shader_code.h"
-#include "vulkan_device.h"
+#include "vulkan_memory.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -35,46 +35,12 @@ struct floor_loop {
   VkCommandPool pool;
   VkCommandBuffer commands;
   VkFence fence;
+  VkQueryPool queries; /* before and after a frame's work */
 };
 
 /* ---- memory ---- */
 
-static uint32_t memory_type(const floor_loop *loop, uint32_t allowed, VkMemoryPropertyFlags wanted) {
-  VkPhysicalDeviceMemoryProperties memory;
-  vkGetPhysicalDeviceMemoryProperties(loop->vulkan.physical, &memory);
-  for (uint32_t i = 0; i < memory.memoryTypeCount; ++i)
-    if (allowed >> i & 1 && (memory.memoryTypes[i].propertyFlags & wanted) == wanted)
-      return i;
-  return UINT32_MAX;
-}
-
-static VkResult allocate(const floor_loop *loop, const VkMemoryRequirements *needs, VkMemoryPropertyFlags wanted,
-                         VkDeviceMemory *out) {
-  uint32_t type = memory_type(loop, needs->memoryTypeBits, wanted | VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
-  if (type == UINT32_MAX)
-    type = memory_type(loop, needs->memoryTypeBits, wanted);
-  const VkMemoryAllocateInfo info = {
-      .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = needs->size, .memoryTypeIndex = type};
-  return vkAllocateMemory(loop->device, &info, NULL, out);
-}
-
-static VkResult make_buffer(const floor_loop *loop, VkDeviceSize size, VkBuffer *buffer, VkDeviceMemory *memory,
-                            void **mapped) {
-  const VkBufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-                                   .size = size ? size : 1,
-                                   .usage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT};
-  VkResult result = vkCreateBuffer(loop->device, &info, NULL, buffer);
-  if (result)
-    return result;
-  VkMemoryRequirements needs;
-  vkGetBufferMemoryRequirements(loop->device, *buffer, &needs);
-  result = allocate(loop, &needs, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT, memory);
-  if (!result)
-    result = vkBindBufferMemory(loop->device, *buffer, *memory, 0);
-  if (!result)
-    result = vkMapMemory(loop->device, *memory, 0, VK_WHOLE_SIZE, 0, mapped);
-  return result;
-}
+enum { geometry_usage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT };
 
 static VkResult upload_geometry(floor_loop *loop) {
   const scene *scene = loop->info.scene;
@@ -91,7 +57,8 @@ static VkResult upload_geometry(floor_loop *loop) {
     size = (loop->meshes[i].indices + (VkDeviceSize)mesh->index_count * mesh->index_size + 15) / 16 * 16;
   }
   void *mapped;
-  const VkResult result = make_buffer(loop, size, &loop->geometry, &loop->geometry_memory, &mapped);
+  const VkResult result =
+      vulkan_buffer(&loop->vulkan, size, geometry_usage, &loop->geometry, &loop->geometry_memory, &mapped);
   for (size_t i = 0; i < scene->mesh_count && !result; ++i) {
     const scene_mesh *mesh = &scene->meshes[i];
     memcpy((char *)mapped + loop->meshes[i].vertices, mesh->positions, (size_t)mesh->vertex_count * 12);
@@ -108,7 +75,8 @@ static VkResult upload_matrices(floor_loop *loop) {
     size += (VkDeviceSize)frame->cascades[i].list.instance_count * matrix_bytes;
   }
   void *mapped;
-  const VkResult result = make_buffer(loop, size, &loop->matrices, &loop->matrices_memory, &mapped);
+  const VkResult result =
+      vulkan_buffer(&loop->vulkan, size, geometry_usage, &loop->matrices, &loop->matrices_memory, &mapped);
   for (uint32_t i = 0; i < frame->cascade_count && !result; ++i)
     plan_write_cascade_matrices((float *)((char *)mapped + loop->matrices_offsets[i]), frame, i, loop->info.plan_scene);
   return result;
@@ -128,13 +96,7 @@ static VkResult make_maps(floor_loop *loop) {
       .usage =
           VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
   };
-  VkResult result = vkCreateImage(loop->device, &info, NULL, &loop->maps);
-  if (result)
-    return result;
-  VkMemoryRequirements needs;
-  vkGetImageMemoryRequirements(loop->device, loop->maps, &needs);
-  result = allocate(loop, &needs, 0, &loop->maps_memory);
-  return result ? result : vkBindImageMemory(loop->device, loop->maps, loop->maps_memory, 0);
+  return vulkan_image(&loop->vulkan, &info, &loop->maps, &loop->maps_memory);
 }
 
 static VkResult make_pass(floor_loop *loop) {
@@ -179,11 +141,9 @@ static VkResult make_framebuffer(floor_loop *loop, uint32_t layer) {
 }
 
 static VkResult make_pipeline(floor_loop *loop) {
-  const VkShaderModuleCreateInfo code = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-                                         .codeSize = shader_cascade_depth_vs.spirv_size,
-                                         .pCode = shader_cascade_depth_vs.spirv};
   VkShaderModule module;
-  VkResult result = vkCreateShaderModule(loop->device, &code, NULL, &module);
+  VkResult result =
+      vulkan_shader(&loop->vulkan, shader_cascade_depth_vs.spirv, shader_cascade_depth_vs.spirv_size, &module);
   if (result)
     return result;
   const VkPipelineLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
@@ -252,22 +212,10 @@ static VkResult make_commands(floor_loop *loop) {
                                                 .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
                                                 .commandBufferCount = 1};
   result = vkAllocateCommandBuffers(loop->device, &commands, &loop->commands);
+  if (!result)
+    result = vulkan_timestamps(&loop->vulkan, 2, &loop->queries);
   const VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
   return result ? result : vkCreateFence(loop->device, &fence, NULL, &loop->fence);
-}
-
-static const char *reason(VkResult result) {
-  switch (result) {
-  case VK_ERROR_INCOMPATIBLE_DRIVER:
-    return "no Vulkan driver is installed";
-  case VK_ERROR_INITIALIZATION_FAILED:
-    return "there is no Vulkan device that fits";
-  case VK_ERROR_OUT_OF_HOST_MEMORY:
-  case VK_ERROR_OUT_OF_DEVICE_MEMORY:
-    return "out of memory";
-  default:
-    return "the driver refused";
-  }
 }
 
 int floor_open(floor_loop **out, const floor_info *info, char *error, size_t error_size) {
@@ -293,7 +241,7 @@ int floor_open(floor_loop **out, const floor_info *info, char *error, size_t err
   if (!result)
     result = make_commands(loop);
   if (result) {
-    snprintf(error, error_size, "the bare Vulkan loop: %s (VkResult %d)", reason(result), (int)result);
+    snprintf(error, error_size, "the bare Vulkan loop: %s (VkResult %d)", vulkan_reason(result), (int)result);
     floor_close(loop);
     return HOST_NO_DEVICE;
   }
@@ -362,9 +310,13 @@ double floor_frame(floor_loop *loop) {
                                           .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
   if (vkBeginCommandBuffer(loop->commands, &begin))
     return -1;
+  if (loop->queries)
+    vkCmdResetQueryPool(loop->commands, loop->queries, 0, 2);
+  vulkan_write_timestamp(loop->commands, loop->queries, 0);
   record_clear(loop);
   for (uint32_t i = 0; i < loop->info.frame->cascade_count; ++i)
     record_cascade(loop, i);
+  vulkan_write_timestamp(loop->commands, loop->queries, 1);
   const VkSubmitInfo submit = {
       .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &loop->commands};
   if (vkEndCommandBuffer(loop->commands) || vkQueueSubmit(loop->vulkan.queue, 1, &submit, loop->fence) ||
@@ -374,9 +326,14 @@ double floor_frame(floor_loop *loop) {
   return clock_ms() - start_ms;
 }
 
+double floor_gpu_ms(const floor_loop *loop) {
+  return vulkan_elapsed_ms(&loop->vulkan, loop->queries);
+}
+
 static void destroy_objects(floor_loop *loop) {
   vkDeviceWaitIdle(loop->device);
   vkDestroyFence(loop->device, loop->fence, NULL);
+  vkDestroyQueryPool(loop->device, loop->queries, NULL);
   vkDestroyCommandPool(loop->device, loop->pool, NULL);
   vkDestroyPipeline(loop->device, loop->pipeline, NULL);
   vkDestroyPipelineLayout(loop->device, loop->layout, NULL);

@@ -28,6 +28,9 @@ int floor_open(floor_loop **out, const floor_info *info, char *error, size_t err
  * fails. */
 double floor_frame(floor_loop *loop);
 
+/* Milliseconds that the last frame took on the GPU; negative where the device has no timestamps. */
+double floor_gpu_ms(const floor_loop *loop);
+
 /* NULL is allowed. */
 void floor_close(floor_loop *loop);
 

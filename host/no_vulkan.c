@@ -1,4 +1,5 @@
-/* no_vulkan.c: in place of floor.c and bench_engine.c in a build without Vulkan. */
+/* no_vulkan.c: in place of floor.c, bare_mask.c and bench_engine.c in a build without Vulkan. */
+#include "bare_mask.h"
 #include "bench_engine.h"
 #include "floor.h"
 #include "host.h"
@@ -29,4 +30,32 @@ int bench_engine_run(bench_engine *out, const host_setup *setup, const bench_pla
   (void)frames;
   *out = (bench_engine){0};
   return host_fail(HOST_NO_DEVICE, "this csm-host was built without Vulkan");
+}
+
+double floor_gpu_ms(const floor_loop *loop) {
+  (void)loop;
+  return -1.0;
+}
+
+/* Without Vulkan there are no bare passes either. */
+int bare_mask_open(bare_mask **out, const bare_mask_info *info, char *error, size_t error_size) {
+  (void)info;
+  *out = NULL;
+  snprintf(error, error_size, "this csm-host was built without Vulkan");
+  return HOST_NO_DEVICE;
+}
+
+double bare_mask_draw(bare_mask *mask, bare_pass pass) {
+  (void)mask;
+  (void)pass;
+  return -1.0;
+}
+
+const uint8_t *bare_mask_pixels(const bare_mask *mask) {
+  (void)mask;
+  return NULL;
+}
+
+void bare_mask_close(bare_mask *mask) {
+  (void)mask;
 }

@@ -17,7 +17,7 @@ static const char help[] =
     "\n"
     "  csm-host run    [options]   draw one frame on each backend, compare, write pictures\n"
     "  csm-host measure [options]  draw one frame on each backend, and measure it against the truth\n"
-    "  csm-host bench  [options]   time the depth pass of each backend against a bare loop, in turn\n"
+    "  csm-host bench  [options]   time the passes of each backend against bare loops, in turn\n"
     "  csm-host report [options]   sweep configurations: a page on error against time, DIR/report.html and .json\n"
     "  csm-host view   [options]   fly through the scene in a window; H there tells the keys\n"
     "  csm-host config             every key of a configuration with its unit, range and default, as JSON; with\n"
@@ -50,6 +50,8 @@ static const char help[] =
     "  --sun-samples N             measure, report: rays to a soft sun for each pixel, 4 to 4096; 256\n"
     "  --quick                     bench, report, measure --presets: 5 pairs instead of 31; report: 1, 2 and 4 maps of "
     "512 to 2048\n"
+    "  --only PART                 bench: depth (the maps' frame, planning, switching), filters, modes, maps, or bare\n"
+    "                              (the 7 x 7 filter against 49 comparisons); all of them if none is named\n"
     "  --cascades LIST             report: numbers of maps; 1,2,3,4,5,6,7,8\n"
     "  --resolutions LIST          report: texels a side; 512,1024,2048,4096\n"
     "  --minutes M                 report, measure --presets: after one round of all it draws again only while that "
@@ -163,6 +165,15 @@ static int parse_sun_samples(host_options *out, const char *value) {
   return 0;
 }
 
+static int parse_only(host_options *out, const char *value) {
+  static const char *const parts[] = {"depth", "filters", "modes", "maps", "bare"};
+  out->only = value;
+  for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
+    if (strcmp(value, parts[i]) == 0)
+      return 0;
+  return host_fail(HOST_BAD_INPUT, "--only: not depth, filters, modes, maps or bare: '%s'", value);
+}
+
 static int parse_scene(host_options *out, const char *value) {
   if (out->scene_count == OPTIONS_MAX_SCENES)
     return host_fail(HOST_BAD_INPUT, "--scene: more than %d scenes", OPTIONS_MAX_SCENES);
@@ -231,6 +242,7 @@ static int parse_option(host_options *out, const char *name, const char *value) 
                           {"--camera-path", NULL, &out->camera_path},
                           {"--light-path", NULL, &out->light_path},
                           {"--sun-samples", parse_sun_samples, NULL},
+                          {"--only", parse_only, NULL},
                           {"--cascades", parse_cascades, NULL},
                           {"--resolutions", parse_resolutions, NULL},
                           {"--minutes", parse_minutes, NULL},

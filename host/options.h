@@ -49,6 +49,7 @@ typedef struct host_options {
   const char *camera_path, *light_path;   /* files, or NULL */
   uint32_t sun_samples;                   /* rays to a soft sun, for each pixel */
   bool quick;                             /* bench, report: fewer pairs */
+  const char *only;                       /* bench: one part, or NULL */
   const char *scenes[OPTIONS_MAX_SCENES]; /* report: all that were named */
   uint32_t scene_count;
   options_list cascades, resolutions;       /* report: what is swept */

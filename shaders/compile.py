@@ -3,6 +3,7 @@
 
   compile.py embed OUT_C OUT_H GLSLANG SPIRV_VAL SHADER...   build: SPIR-V made now, DXBC as committed, both as C
   compile.py words OUT_H FILE.dxbc...                        C arrays of DXBC alone, for a program without gpu.h
+  compile.py spirv OUT_H GLSLANG SPIRV_VAL SHADER...         C arrays of SPIR-V alone, for who draws with Vulkan alone
   compile.py dxbc VKD3D_COMPILER FOLDER...                   makes FOLDER/dxbc and its MANIFEST anew, for ./dev shaders
   compile.py check FOLDER...                                 fails where HLSL, dxbc/ and MANIFEST do not belong together
 
@@ -129,6 +130,16 @@ def words_header(out_h, *paths):
     pathlib.Path(out_h).write_text("\n".join(["/* Made by shaders/compile.py. */", "#include <stdint.h>", "", *arrays]))
 
 
+def spirv_header(out_h, glslang, spirv_val, *paths):
+    arrays = []
+    with tempfile.TemporaryDirectory() as folder:
+        for path in (pathlib.Path(p).resolve() for p in paths):
+            name = path.name.removesuffix(".hlsl")
+            code = make_spirv(glslang, spirv_val, name, path, pathlib.Path(folder))
+            arrays.append(words(name.replace(".", "_"), code))
+    pathlib.Path(out_h).write_text("\n".join(["/* Made by shaders/compile.py. */", "#include <stdint.h>", "", *arrays]))
+
+
 def dxbc(compiler, *folders):
     for folder in folders:
         make_dxbc(compiler, pathlib.Path(folder).resolve())
@@ -165,7 +176,7 @@ def check(*folders):
 
 
 if __name__ == "__main__":
-    commands = {"embed": embed, "words": words_header, "dxbc": dxbc, "check": check}
+    commands = {"embed": embed, "words": words_header, "spirv": spirv_header, "dxbc": dxbc, "check": check}
     if len(sys.argv) < 2 or sys.argv[1] not in commands:
         sys.exit(__doc__)
     commands[sys.argv[1]](*sys.argv[2:])

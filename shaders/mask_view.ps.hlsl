@@ -4,20 +4,6 @@
 #define CSM_FILTER 2
 #include "private/mask.hlsl"
 
-// The cascade that csm_visibility looks up: where two blend the nearer one, or, if they are dithered, the one chosen.
-int taken(float3 position, float3 normal)
-{
-    float view_depth = csm_view_depth(position);
-    int count = int(csm_c[CSM_C_PARAMS].x);
-    int first = csm_cascade(position, normal, view_depth);
-    bool dithers = csm_c[CSM_C_MODES].w > 1.5 && first < count;
-    int near = min(first, count - 1); // what is beyond has no map to ask
-    float blend = dithers ? csm_blend(near, position, normal, view_depth) : 0.0;
-    int second = csm_find(blend > 0.0 ? first + 1 : count, position, normal);
-    bool turns = second < count && csm_noise(near, csm_project(near, position, normal).xy) < blend;
-    return turns ? second : first;
-}
-
 // The square of the texels of a cascade's map that a step in the world passes.
 float texels_square(int cascade, float3 step)
 {
@@ -37,7 +23,7 @@ float main(float4 screen : SV_Position) : SV_Target
     float3 right = tangent(pixel, int2(1, 0), position, depth);
     float3 down = tangent(pixel, int2(0, 1), position, depth);
     float3 normal = unit_cross(down, right) * mask_c[CSM_M_CLEAR].y;
-    int cascade = taken(position, normal);
+    int cascade = csm_cascade(position, normal, csm_view_depth(position));
     float count = csm_c[CSM_C_PARAMS].x;
     if (float(cascade) >= count)
         return 0.0;

@@ -131,6 +131,49 @@ def check_presets(folder, scene):
     expect(answer("config", "--config", again) == bevy, "a preset that is told can be read again")
 
 
+# ---- bench ----
+
+
+def bench_part(part, folder, scene, *arguments):
+    """One part's numbers; small pictures and maps, for nothing here depends on times."""
+    config = write(folder / "bench.json", '{"resolution": 128, "shadow_distance": 30}')
+    done = run("bench", *all_of_them, "--only", part, "--quick", "--scene", scene, "--size", "64x36", "--config", config,
+               "--json", "-", *arguments)
+    expect(done.returncode == 0, f"bench --only {part}: exit {done.returncode}:\n{done.stderr}")
+    expect(part in done.stderr, f"bench --only {part}: its table is not on stderr beside the JSON")
+    numbers = json.loads(done.stdout)
+    expect("depth_ms" not in numbers and numbers["pairs"] == 5, f"bench --only {part}: other parts ran, too")
+    return numbers[part]
+
+
+def check_bench(folder, scene):
+    expect_exit(2, "--only", "bench", "--only", "everything")
+    rows = {"filters": ("nearest", ("linear_depth", "pcf_2x2", "pcf_3x3", "pcf_5x5", "pcf_7x7", "pcf_n 9", "pcf_5x5 early",
+                                    "pcf_7x7 early", "poisson", "vogel 16", "grid_17", "pcf_3x3 gaussian",
+                                    "pcf_5x5 castano")),
+            "modes": ("base", ("samples splits", "samples bounds", "selection map", "selection best", "blend linear",
+                               "blend dithered")),
+            "maps": ("base", ("atlas", "d16", "reversed", "cull back", "cull front", "raster bias", "resolutions halved",
+                              "caster_clip clip", "fit cascade", "fit scene_square", "depth slice", "depth scene"))}
+    for part, (base, names) in rows.items():
+        table = bench_part(part, folder, scene)
+        expect(table["base"] == base, f"bench --only {part}: compared with {table['base']}")
+        for backend in backends:
+            by_name = {row["name"]: row for row in table["rows"] if row["backend"] == backend}
+            missing = [name for name in (base, *names) if name not in by_name]
+            expect(not missing, f"bench --only {part}: {backend} has no row {missing}")
+            expect(by_name[base]["to_base"]["median"] == 1, f"bench --only {part}: the base is not 1 of itself")
+            for row in by_name.values():
+                for key in ("gpu_ms", "to_base", *(("to_floor",) if "vulkan" in backends else ())):
+                    expect(0 < row[key]["low"] <= row[key]["median"] <= row[key]["high"],
+                           f"bench --only {part}: {row['name']}: {key}: {row[key]}")
+    if "vulkan" in backends:
+        bare = bench_part("bare", folder, scene)
+        expect(bare["differing_pixels"] == 0, f"the 7 x 7 filter is not the loop of 49 taps: {bare}")
+        expect(bare["partial_pixels"] > 0, f"there is no edge that could tell them apart: {bare}")
+        expect({"floor", "set_up", "loop_49", "pcf_7x7"} == bare["gpu_ms"].keys(), f"bare passes: {bare}")
+
+
 # ---- machines and installations that lack something ----
 
 
@@ -287,6 +330,9 @@ with tempfile.TemporaryDirectory() as scratch:
     write_scene(folder / "scene.gltf")
     check_bad_input(folder, folder / "scene.gltf")
     check_presets(folder, folder / "scene.gltf")
+
+
+    check_bench(folder, folder / "scene.gltf")
     check_lacks(folder, folder / "scene.gltf")
     check_written(folder, folder / "scene.gltf")
 print(f"{checks} checks")

@@ -58,9 +58,10 @@ float3 tangent(int2 pixel, int2 axis, float3 position, float depth)
 {
     float before = load_depth(pixel - axis);
     float after = load_depth(pixel + axis);
-    if (bend(pixel, -axis, before, depth) < bend(pixel, axis, after, depth))
-        return position - pixel_position(float2(pixel - axis), before);
-    return pixel_position(float2(pixel + axis), after) - position;
+    bool back = bend(pixel, -axis, before, depth) < bend(pixel, axis, after, depth);
+    // One of the two sides is all that is worked out
+    float3 beside = pixel_position(float2(back ? pixel - axis : pixel + axis), back ? before : after);
+    return back ? position - beside : beside - position;
 }
 
 // A unit vector; towards the light where there is no direction.

@@ -310,10 +310,13 @@ static void stats_count_and_measure(void **state) {
 
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(maps_hold_the_nearest_casters), cmocka_unit_test(nearer_casters_are_not_lost),
-      cmocka_unit_test(mask_agrees_with_rays),         cmocka_unit_test(the_camera_clips_at_its_near_plane),
+      cmocka_unit_test(maps_hold_the_nearest_casters),
+      cmocka_unit_test(nearer_casters_are_not_lost),
+      cmocka_unit_test(mask_agrees_with_rays),
+      cmocka_unit_test(the_camera_clips_at_its_near_plane),
       cmocka_unit_test(frames_in_flight_do_not_disturb_each_other),
-      cmocka_unit_test(an_empty_scene_is_lit),         cmocka_unit_test(stats_count_and_measure),
+      cmocka_unit_test(an_empty_scene_is_lit),
+      cmocka_unit_test(stats_count_and_measure),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
 }
