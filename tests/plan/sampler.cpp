@@ -78,16 +78,13 @@ csm_float4 operator+(csm_float4 a, csm_float4 b) {
   return csm_float4(a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w);
 }
 
-float min(double a, double b) {
-  return float(a < b ? a : b);
-}
-
 int min(int a, int b) {
   return a < b ? a : b;
 }
 
-float min(float a, float b) {
-  return a < b ? a : b;
+/* Literals are floats there. */
+template <typename A, typename B> float min(A a, B b) {
+  return float(a) < float(b) ? float(a) : float(b);
 }
 float max(float a, float b) {
   return a > b ? a : b;
@@ -198,7 +195,8 @@ void sampler_plane(float out[2], int cascade, const float normal[3]) {
 }
 
 float sampler_blend(int cascade, const float position[3], const float normal[3], float view_depth) {
-  return csm_blend(cascade, vector(position), vector(normal), csm_offset_scale(vector(normal)), view_depth);
+  return csm_blend(
+      cascade, csm_project(cascade, vector(position), vector(normal), csm_offset_scale(vector(normal))), view_depth);
 }
 
 float sampler_visibility(const float position[3], const float normal[3], float view_depth) {
