@@ -75,8 +75,7 @@ csm_result device_programs(device *device, pass_vertices vertices, uint32_t *ind
 csm_result device_mask_programs(device *device, const csm_config *config) {
   csm_result result = CSM_SUCCESS;
   for (int normals = 0; normals < 2 && !result; ++normals) {
-    const mask_kind kind = {
-        .filter = config->filter, .plane = config->bias_mode == CSM_BIAS_RECEIVER_PLANE, .normals = normals};
+    const mask_kind kind = mask_kind_of(config, normals);
     gpu_program **program = &device->mask_programs[mask_kind_index(&kind)];
     if (!*program)
       result = device_check(device, mask_program(device->gpu, &kind, program), "a mask program");

@@ -92,9 +92,7 @@ static csm_result import(device *device, const csm_mask_info *info, const void *
 /* ---- reserving and recording ---- */
 
 static gpu_program *choose_program(const csm_cascades *cascades, const resolve *r) {
-  const csm_config *config = &cascades->config;
-  const mask_kind kind = {
-      .filter = config->filter, .plane = config->bias_mode == CSM_BIAS_RECEIVER_PLANE, .normals = r->normals != NULL};
+  const mask_kind kind = mask_kind_of(&cascades->config, r->normals != NULL);
   return cascades->context->device->mask_programs[mask_kind_index(&kind)];
 }
 

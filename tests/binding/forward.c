@@ -263,7 +263,8 @@ static csm_result make_programs(bench *b) {
   if (!result)
     result = camera_depth_program(b->gpu, true, (pass_vertices){.stride = 12}, &b->camera_depth);
   for (uint32_t filter = 0; filter < 2 && !result; ++filter)
-    result = mask_program(b->gpu, &(mask_kind){.filter = filter}, &b->mask[filter]);
+    result = mask_program(b->gpu, &(mask_kind){.filter = filter, .plane = config.bias_mode == CSM_BIAS_RECEIVER_PLANE},
+                          &b->mask[filter]);
   if (!result) {
     const gpu_bindings_info inputs = mask_inputs(b->mask[0], b->upload, b->maps, b->depth, NULL);
     result = b->gpu.api->bindings_create(b->gpu.device, &inputs, &b->mask_bindings);
