@@ -1,4 +1,2 @@
 #define CSM_FILTER 6
-#define CSM_BIAS_MODE 0
-#define CSM_EARLY_OUT 1
 #include "private/mask.hlsl"
