@@ -14,13 +14,19 @@ uint32_t mask_kind_index(const mask_kind *kind) {
 
 /* By bias, then by where normals come from. */
 #define MASK_CODES(name)                                                                                               \
-  {{&shader_mask_##name##_ps, &shader_mask_##name##_normals_ps},                                                       \
-   {&shader_mask_##name##_plane_ps, &shader_mask_##name##_plane_normals_ps}}
+  {                                                                                                                    \
+    {&shader_mask_##name##_ps, &shader_mask_##name##_normals_ps}, {                                                    \
+      &shader_mask_##name##_plane_ps, &shader_mask_##name##_plane_normals_ps                                           \
+    }                                                                                                                  \
+  }
 
 /* These leave the bias to the constants: vkd3d draws some of them wrong where it is fixed. */
 #define MASK_EARLY(name)                                                                                               \
-  {{&shader_mask_##name##_early_ps, &shader_mask_##name##_early_normals_ps},                                           \
-   {&shader_mask_##name##_early_ps, &shader_mask_##name##_early_normals_ps}}
+  {                                                                                                                    \
+    {&shader_mask_##name##_early_ps, &shader_mask_##name##_early_normals_ps}, {                                        \
+      &shader_mask_##name##_early_ps, &shader_mask_##name##_early_normals_ps                                           \
+    }                                                                                                                  \
+  }
 
 csm_result mask_program(pass_gpu gpu, const mask_kind *kind, gpu_program **out) {
   /* By early out, which large boxes alone have; linear_depth has no texels to place on a plane. */
