@@ -85,8 +85,10 @@ csm_result device_view_program(device *device) {
 
 csm_result device_mask_programs(device *device, const csm_config *config) {
   csm_result result = CSM_SUCCESS;
-  for (int normals = 0; normals < 2 && !result; ++normals)
-    result = make_mask_program(device, &(mask_kind){.filter = config->filter, .normals = normals});
+  for (int normals = 0; normals < 2 && !result; ++normals) {
+    const mask_kind kind = mask_kind_of(config, normals);
+    result = make_mask_program(device, &kind);
+  }
   for (int coarse = 0; coarse < 2 && !result && config->sample_distribution != CSM_SAMPLES_OFF; ++coarse)
     if (!device->tiles_programs[coarse])
       result = device_check(device, depth_tiles_program(device->gpu, coarse, &device->tiles_programs[coarse]),

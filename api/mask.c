@@ -101,8 +101,8 @@ static bool reads_normals(const resolve *r) {
 }
 
 static gpu_program *choose_program(const csm_cascades *cascades, const resolve *r) {
-  const mask_kind kind = {
-      .filter = cascades->config.filter, .normals = reads_normals(r), .view = r->info.view != CSM_VIEW_SHADOW};
+  mask_kind kind = mask_kind_of(&cascades->config, reads_normals(r));
+  kind.view = r->info.view != CSM_VIEW_SHADOW;
   return cascades->context->device->mask_programs[mask_kind_index(&kind)];
 }
 

@@ -1,3 +1,4 @@
 #define CSM_FILTER 0
+#define CSM_BIAS_MODE 0
 #define MASK_NORMALS
 #include "private/mask.hlsl"

@@ -1,2 +1,3 @@
 #define CSM_FILTER 8
+#define CSM_BIAS_MODE 0
 #include "private/mask.hlsl"

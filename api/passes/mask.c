@@ -1,27 +1,51 @@
 #include "passes.h"
 #include "shader_code.h"
 
-uint32_t mask_kind_index(const mask_kind *kind) {
-  return kind->view ? MASK_KINDS - 1 : kind->filter * 2 + kind->normals;
+mask_kind mask_kind_of(const csm_config *config, bool normals) {
+  return (mask_kind){.filter = config->filter,
+                     .early = config->filter_early_out,
+                     .plane = config->bias_mode == CSM_BIAS_RECEIVER_PLANE,
+                     .normals = normals};
 }
 
+uint32_t mask_kind_index(const mask_kind *kind) {
+  return kind->view ? MASK_KINDS - 1 : kind->filter * 8 + kind->early * 4u + kind->plane * 2u + kind->normals;
+}
+
+/* By bias, then by where normals come from. */
+#define MASK_CODES(name)                                                                                               \
+  {                                                                                                                    \
+    {&shader_mask_##name##_ps, &shader_mask_##name##_normals_ps}, {                                                    \
+      &shader_mask_##name##_plane_ps, &shader_mask_##name##_plane_normals_ps                                           \
+    }                                                                                                                  \
+  }
+
+/* These leave the bias to the constants: vkd3d draws some of them wrong where it is fixed. */
+#define MASK_EARLY(name)                                                                                               \
+  {                                                                                                                    \
+    {&shader_mask_##name##_early_ps, &shader_mask_##name##_early_normals_ps}, {                                        \
+      &shader_mask_##name##_early_ps, &shader_mask_##name##_early_normals_ps                                           \
+    }                                                                                                                  \
+  }
+
 csm_result mask_program(pass_gpu gpu, const mask_kind *kind, gpu_program **out) {
-  const gpu_code *const codes[MASK_FILTERS][2] = {
-      [CSM_FILTER_PCF_2X2] = {&shader_mask_pcf_2x2_ps, &shader_mask_pcf_2x2_normals_ps},
-      [CSM_FILTER_PCF_3X3] = {&shader_mask_pcf_3x3_ps, &shader_mask_pcf_3x3_normals_ps},
-      [CSM_FILTER_NEAREST] = {&shader_mask_nearest_ps, &shader_mask_nearest_normals_ps},
-      [CSM_FILTER_LINEAR_DEPTH] = {&shader_mask_linear_depth_ps, &shader_mask_linear_depth_normals_ps},
-      [CSM_FILTER_PCF_5X5] = {&shader_mask_pcf_5x5_ps, &shader_mask_pcf_5x5_normals_ps},
-      [CSM_FILTER_PCF_7X7] = {&shader_mask_pcf_7x7_ps, &shader_mask_pcf_7x7_normals_ps},
-      [CSM_FILTER_PCF_N] = {&shader_mask_pcf_n_ps, &shader_mask_pcf_n_normals_ps},
-      [CSM_FILTER_POISSON] = {&shader_mask_poisson_ps, &shader_mask_poisson_normals_ps},
-      [CSM_FILTER_VOGEL] = {&shader_mask_vogel_ps, &shader_mask_vogel_normals_ps},
-      [CSM_FILTER_GRID_17] = {&shader_mask_grid_17_ps, &shader_mask_grid_17_normals_ps},
+  /* By early out, which large boxes alone have; linear_depth has no texels to place on a plane. */
+  const gpu_code *const codes[MASK_FILTERS][2][2][2] = {
+      [CSM_FILTER_PCF_2X2] = {MASK_CODES(pcf_2x2)},
+      [CSM_FILTER_PCF_3X3] = {MASK_CODES(pcf_3x3)},
+      [CSM_FILTER_NEAREST] = {MASK_CODES(nearest)},
+      [CSM_FILTER_LINEAR_DEPTH] = {{{&shader_mask_linear_depth_ps, &shader_mask_linear_depth_normals_ps}}},
+      [CSM_FILTER_PCF_5X5] = {MASK_CODES(pcf_5x5), MASK_EARLY(pcf_5x5)},
+      [CSM_FILTER_PCF_7X7] = {MASK_CODES(pcf_7x7), MASK_EARLY(pcf_7x7)},
+      [CSM_FILTER_PCF_N] = {MASK_CODES(pcf_n), MASK_EARLY(pcf_n)},
+      [CSM_FILTER_POISSON] = {MASK_CODES(poisson)},
+      [CSM_FILTER_VOGEL] = {MASK_CODES(vogel)},
+      [CSM_FILTER_GRID_17] = {MASK_CODES(grid_17)},
   };
   const gpu_program_info info = {
       .name = kind->view ? "mask view" : "mask",
       .vertex = shader_screen_vs,
-      .pixel = kind->view ? shader_mask_view_ps : *codes[kind->filter][kind->normals],
+      .pixel = kind->view ? shader_mask_view_ps : *codes[kind->filter][kind->early][kind->plane][kind->normals],
       .constants_count = 2,
       .constants_sizes = {MASK_CASCADES_BLOCK, MASK_CAMERA_BLOCK},
       .texture_count = kind->normals && !kind->view ? 3 : 2,

@@ -106,11 +106,15 @@ enum { MASK_CASCADES_BLOCK = 1024, MASK_CAMERA_BLOCK = 256, MASK_BLOCKS = MASK_C
 /* What a mask's program is made for; one for each that a configuration may ask for. */
 typedef struct mask_kind {
   uint32_t filter; /* as in csm_config */
+  bool early;      /* large boxes look at their corners first */
+  bool plane;      /* texels are compared with the receiver's plane */
   bool normals;    /* the engine's */
   bool view;       /* a debug view, which knows neither of these */
 } mask_kind;
-enum { MASK_FILTERS = 10, MASK_KINDS = 2 * MASK_FILTERS + 1 };
+enum { MASK_FILTERS = 10, MASK_KINDS = 8 * MASK_FILTERS + 1 };
 
+/* What a configuration asks for. */
+mask_kind mask_kind_of(const csm_config *config, bool normals);
 csm_result mask_program(pass_gpu gpu, const mask_kind *kind, gpu_program **out);
 uint32_t mask_kind_index(const mask_kind *kind); /* below MASK_KINDS */
 

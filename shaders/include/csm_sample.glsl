@@ -15,6 +15,7 @@
 //   CSM_TEXEL_LIT(texel, layer, reference)   the comparison with one texel, by its index: 1 or 0, likewise
 //   CSM_FILTER       0 to 9, as CSM_FILTER_* of csm.h: fixes the filter; if not defined, it is as configured
 //   CSM_BIAS_MODE    0 (slope) or 1 (receiver plane): fixes the bias, likewise
+//   CSM_EARLY_OUT    0: large boxes never look at corners and middle first; if not defined, it is as configured
 #ifndef CSM_SAMPLE_GLSL
 #define CSM_SAMPLE_GLSL
 

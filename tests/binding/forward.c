@@ -72,7 +72,7 @@ typedef struct bench {
   gpu_target *map_targets[CASCADES], *depth_target, *picture_targets[PICTURES];
   pass_casters casters;
   plan_layout layout;
-  gpu_program *cascade_depth, *camera_depth, *mask[FILTERS], *forward[READERS];
+  gpu_program *cascade_depth, *camera_depth, *mask[2][FILTERS], *forward[READERS];
   gpu_bindings *mask_bindings, *forward_bindings[READERS];
   plan_instance instances[BOXES + 1];
   plan_scene scene;
@@ -285,9 +285,11 @@ static csm_result make_programs(bench *b) {
   if (!result)
     result = camera_depth_program(b->gpu, true, (pass_vertices){.stride = 12}, &b->camera_depth);
   for (uint32_t filter = 0; filter < FILTERS && !result; ++filter)
-    result = mask_program(b->gpu, &(mask_kind){.filter = filter}, &b->mask[filter]);
+    for (uint32_t bias = 0; bias < 2 && !result; ++bias)
+      if (!bias || filter != CSM_FILTER_LINEAR_DEPTH)
+        result = mask_program(b->gpu, &(mask_kind){.filter = filter, .plane = bias}, &b->mask[bias][filter]);
   if (!result) {
-    const gpu_bindings_info inputs = mask_inputs(b->mask[0], b->upload, b->maps, b->depth, NULL);
+    const gpu_bindings_info inputs = mask_inputs(b->mask[0][0], b->upload, b->maps, b->depth, NULL);
     result = b->gpu.api->bindings_create(b->gpu.device, &inputs, &b->mask_bindings);
   }
   for (uint32_t reader = 0; reader < READERS && !result; ++reader)
@@ -304,7 +306,8 @@ static void free_objects(bench *b) {
     api->program_destroy(device, b->forward[i]);
   }
   for (uint32_t i = 0; i < FILTERS; ++i)
-    api->program_destroy(device, b->mask[i]);
+    for (uint32_t bias = 0; bias < 2; ++bias)
+      api->program_destroy(device, b->mask[bias][i]);
   api->program_destroy(device, b->cascade_depth);
   api->program_destroy(device, b->camera_depth);
   for (uint32_t i = 0; i < CASCADES; ++i)
@@ -336,7 +339,7 @@ static void record_forward(bench *b, uint32_t reader) {
                   &(gpu_region){.width = WIDTH, .height = HEIGHT});
 }
 
-static csm_result draw(bench *b, uint32_t filter) {
+static csm_result draw(bench *b, uint32_t filter, uint32_t bias_mode) {
   const gpu_backend *api = b->gpu.api;
   gpu_device *device = b->gpu.device;
   const csm_result result = api->begin(device, &(gpu_record_info){.slot = 0, .first = true});
@@ -375,7 +378,7 @@ static csm_result draw(bench *b, uint32_t filter) {
                                                    .meshes = meshes,
                                                    .matrices = b->upload,
                                                    .matrices_offset = AT_VIEW});
-  mask_record(b->gpu, &(mask_pass){.program = b->mask[filter],
+  mask_record(b->gpu, &(mask_pass){.program = b->mask[bias_mode][filter],
                                    .bindings = b->mask_bindings,
                                    .target = b->picture_targets[0],
                                    .constants_offset = AT_BLOCKS});
@@ -428,7 +431,7 @@ static void check_mask(bench *b, uint32_t filter) {
 }
 
 static void compare_filter(bench *b, uint32_t filter, uint32_t bias_mode, uint8_t *mask) {
-  if (!make_plan(b, filter, bias_mode) || !check(b, draw(b, filter) == CSM_SUCCESS, "drawing"))
+  if (!make_plan(b, filter, bias_mode) || !check(b, draw(b, filter, bias_mode) == CSM_SUCCESS, "drawing"))
     return;
   check_mask(b, filter);
   for (uint32_t reader = 0; reader < READERS; ++reader)

@@ -195,8 +195,7 @@ void sampler_plane(float out[2], int cascade, const float normal[3]) {
 }
 
 float sampler_blend(int cascade, const float position[3], const float normal[3], float view_depth) {
-  return csm_blend(
-      cascade, csm_project(cascade, vector(position), vector(normal), csm_offset_scale(vector(normal))), view_depth);
+  return csm_blend(cascade, vector(position), vector(normal), csm_offset_scale(vector(normal)), view_depth);
 }
 
 float sampler_visibility(const float position[3], const float normal[3], float view_depth) {

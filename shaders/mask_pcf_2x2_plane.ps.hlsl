@@ -1,0 +1,3 @@
+#define CSM_FILTER 0
+#define CSM_BIAS_MODE 1
+#include "private/mask.hlsl"

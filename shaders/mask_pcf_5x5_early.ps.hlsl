@@ -1,0 +1,2 @@
+#define CSM_FILTER 4
+#include "private/mask.hlsl"

@@ -1,0 +1,2 @@
+#define CSM_FILTER 5
+#include "private/mask.hlsl"

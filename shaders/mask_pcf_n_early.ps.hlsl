@@ -1,0 +1,2 @@
+#define CSM_FILTER 6
+#include "private/mask.hlsl"
