@@ -308,7 +308,7 @@ def check_written(folder, scene):
         data = (folder / f"out/{name}.png").read_bytes()
         size = (3 * 134 - 6, 128) if name == "maps" else (96, 54)
         expect(data[:8] == b"\x89PNG\r\n\x1a\n" and struct.unpack(">II", data[16:24]) == size, f"{name}.png")
-        expect(len(data) > 1000, f"{name}.png is blank") # a plain one takes less
+        expect(len(data) > 700, f"{name}.png is blank: {len(data)} bytes") # a plain one takes less
     if len(backends) == 2:
         expect(numbers["agreement"]["views"] == {"agree": True, "cascade_differing": 0, "density_differing": 0,
                                                  "casters_equal": True}, numbers["agreement"])

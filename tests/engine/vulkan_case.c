@@ -16,6 +16,7 @@ void case_open(vulkan_case *c, vulkan_engine *engine) {
   if (result)
     fail_msg("%s: %s", csm_result_name(result), text);
   c->config = support_config();
+  c->config.selection = CSM_SELECT_INTERVAL; /* the larger texels: normals of the depth decide fewer pixels */
   assert_int_equal(csm_cascades_create(c->context, &c->config, &c->cascades), CSM_SUCCESS);
   support_scene_make(&c->scene, c->context);
   if (engine)
