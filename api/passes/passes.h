@@ -34,9 +34,6 @@ typedef struct pass_vertices {
 /* Called inside a cascade's pass, when its list is drawn. */
 typedef void (*pass_callback)(void *user, uint32_t cascade);
 
-/* Programs by gpu_cull, then by pass_mesh.programs. */
-typedef gpu_program *const *const pass_programs[3];
-
 /* ---- the cascades' maps ---- */
 
 /* How casters are drawn, but for their shape. */
