@@ -152,6 +152,9 @@ csm_result device_buffer(device *device, const gpu_buffer_info *info, gpu_buffer
 void device_buffer_free(device *device, gpu_buffer *buffer, uint64_t size);
 csm_result device_image(device *device, const gpu_image_info *info, gpu_image **out);
 void device_image_free(device *device, gpu_image *image);
+/* An image of one layer to be drawn into, sampled and read, and the target on it; neither is left if one fails. */
+csm_result device_drawn_image(device *device, const char *name, gpu_format format, uint32_t width, uint32_t height,
+                              gpu_image **image, gpu_target **target);
 
 /* ---- retire.c ---- */
 

@@ -141,7 +141,8 @@ static void write_ring(const csm_cascades *cascades, const resolve *r) {
   plan_write_constants((float *)blocks, plan, &cascades->config);
   plan_write_mask_constants((float *)(blocks + MASK_CASCADES_BLOCK), plan, &r->camera, r->mask->width, r->mask->height,
                             r->unorm_normals, r->info.view);
-  depth_tiles_write(blocks + MASK_BLOCKS, r->mask->width, r->mask->height, r->camera.reversed ? 0.0f : 1.0f);
+  if (r->samples)
+    depth_tiles_write(blocks + MASK_BLOCKS, r->mask->width, r->mask->height, r->camera.reversed ? 0.0f : 1.0f);
 }
 
 static void record_depth(csm_cascades *cascades, const resolve *r) {

@@ -27,30 +27,6 @@ void mask_drop(csm_cascades *cascades, device *device) {
   cascades->mask = NULL;
 }
 
-/* An image of the mask's size, and a target on it; neither is left if one fails. */
-static csm_result make_image(device *device, const cascade_mask *mask, const char *name, gpu_format format,
-                             gpu_image **image, gpu_target **target) {
-  const gpu_image_info info = {
-      .name = name,
-      .format = format,
-      .usage = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED | GPU_IMAGE_COPY_SOURCE,
-      .width = mask->width,
-      .height = mask->height,
-      .layers = 1,
-  };
-  csm_result result = device_image(device, &info, image);
-  if (result)
-    return result;
-  const bool depth = gpu_format_is_depth(format);
-  const gpu_target_info on = {.name = name, .depth = depth ? *image : NULL, .color = depth ? NULL : *image};
-  result = device_check(device, device->gpu.api->target_create(device->gpu.device, &on, target), name);
-  if (result) {
-    device_image_free(device, *image);
-    *image = NULL;
-  }
-  return result;
-}
-
 csm_result mask_prepare(csm_cascades *cascades, uint32_t width, uint32_t height, bool depth, cascade_mask **out) {
   device *device = cascades->context->device;
   cascade_mask *mask = cascades->mask;
@@ -63,9 +39,11 @@ csm_result mask_prepare(csm_cascades *cascades, uint32_t width, uint32_t height,
     return CSM_ERROR_OUT_OF_MEMORY;
   mask->width = width;
   mask->height = height;
-  csm_result result = make_image(device, mask, "mask", GPU_FORMAT_R8_UNORM, &mask->mask, &mask->mask_target);
+  csm_result result =
+      device_drawn_image(device, "mask", GPU_FORMAT_R8_UNORM, width, height, &mask->mask, &mask->mask_target);
   if (!result && depth)
-    result = make_image(device, mask, "camera depth", GPU_FORMAT_D32_FLOAT, &mask->depth, &mask->depth_target);
+    result = device_drawn_image(device, "camera depth", GPU_FORMAT_D32_FLOAT, width, height, &mask->depth,
+                                &mask->depth_target);
   if (result) {
     mask_free(device, &mask->retired);
     return result;

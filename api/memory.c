@@ -94,6 +94,29 @@ csm_result device_image(device *device, const gpu_image_info *info, gpu_image **
   return result;
 }
 
+csm_result device_drawn_image(device *device, const char *name, gpu_format format, uint32_t width, uint32_t height,
+                              gpu_image **image, gpu_target **target) {
+  const gpu_image_info info = {
+      .name = name,
+      .format = format,
+      .usage = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED | GPU_IMAGE_COPY_SOURCE,
+      .width = width,
+      .height = height,
+      .layers = 1,
+  };
+  csm_result result = device_image(device, &info, image);
+  if (result)
+    return result;
+  const bool depth = gpu_format_is_depth(format);
+  const gpu_target_info on = {.name = name, .depth = depth ? *image : NULL, .color = depth ? NULL : *image};
+  result = device_check(device, device->gpu.api->target_create(device->gpu.device, &on, target), name);
+  if (result) {
+    device_image_free(device, *image);
+    *image = NULL;
+  }
+  return result;
+}
+
 void device_image_free(device *device, gpu_image *image) {
   if (!image)
     return;

@@ -59,18 +59,8 @@ void samples_drop(csm_cascades *cascades, device *device) {
 /* ---- reserving ---- */
 
 static csm_result make_image(device *device, sample_tiles *tiles, int size, uint32_t width, uint32_t height) {
-  const gpu_image_info info = {.name = "depth tiles",
-                               .format = GPU_FORMAT_RG32_FLOAT,
-                               .usage = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED | GPU_IMAGE_COPY_SOURCE,
-                               .width = width,
-                               .height = height,
-                               .layers = 1};
-  const csm_result result = device_image(device, &info, &tiles->images[size]);
-  if (result)
-    return result;
-  const gpu_target_info target = {.name = "depth tiles", .color = tiles->images[size]};
-  return device_check(device, device->gpu.api->target_create(device->gpu.device, &target, &tiles->targets[size]),
-                      "depth tiles");
+  return device_drawn_image(device, "depth tiles", GPU_FORMAT_RG32_FLOAT, width, height, &tiles->images[size],
+                            &tiles->targets[size]);
 }
 
 static csm_result tiles_create(device *device, uint32_t width, uint32_t height, sample_tiles **out) {
