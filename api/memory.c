@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-enum { alignment = 64 };
+enum { alignment = 64, row_alignment = 256 };
 
 void *context_allocate(csm_context *context, size_t size) {
   void *memory = context->allocate(context->user, size, alignment);
@@ -92,6 +92,10 @@ csm_result device_image(device *device, const gpu_image_info *info, gpu_image **
   if (!result)
     device->memory_used += device->gpu.api->image_bytes(*out);
   return result;
+}
+
+uint32_t device_row_bytes(uint32_t width, gpu_format format) {
+  return (width * gpu_format_bytes(format) + row_alignment - 1) / row_alignment * row_alignment;
 }
 
 csm_result device_drawn_image(device *device, const char *name, gpu_format format, uint32_t width, uint32_t height,

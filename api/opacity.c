@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-enum { row_alignment = 256, largest_side = 16384 };
+enum { largest_side = 16384 };
 
 /* ---- on a device ---- */
 
@@ -38,7 +38,7 @@ static csm_result stage_texels(device *device, const csm_opacity_info *info, sta
   staged_texels *staged = context_allocate(device->context, sizeof *staged);
   if (!staged)
     return CSM_ERROR_OUT_OF_MEMORY;
-  staged->row_bytes = (info->width + row_alignment - 1) / row_alignment * row_alignment;
+  staged->row_bytes = device_row_bytes(info->width, GPU_FORMAT_R8_UNORM);
   staged->size = (uint64_t)staged->row_bytes * info->height;
   const csm_result result = device_buffer(
       device, &(gpu_buffer_info){.name = "opacity staging", .kind = GPU_BUFFER_UPLOAD, .size = staged->size},

@@ -2,8 +2,6 @@
 
 #include <string.h>
 
-enum { row_alignment = 256 };
-
 /* A part of an image's layer. The layer is copied whole, for Direct3D 12 does not copy parts of depth. */
 typedef struct source {
   gpu_image *image;
@@ -70,8 +68,7 @@ static void unpack(const source *from, const unsigned char *rows, uint32_t row_b
 
 static csm_result copy_out(device *device, const source *from, float *data) {
   const gpu_region whole = {.layer = from->layer, .width = from->image_width, .height = from->image_height};
-  const uint32_t row_bytes =
-      (whole.width * gpu_format_bytes(from->format) + row_alignment - 1) / row_alignment * row_alignment;
+  const uint32_t row_bytes = device_row_bytes(whole.width, from->format);
   const uint64_t size = (uint64_t)row_bytes * whole.height;
   gpu_buffer *buffer;
   ring_range ring = {0};

@@ -3,8 +3,6 @@
 
 #include <string.h>
 
-enum { row_alignment = 256 };
-
 /* The tiles of one mask, on their way back. */
 struct sample_read {
   struct sample_read *next;
@@ -20,8 +18,7 @@ static uint32_t tiles_across(uint32_t pixels, uint32_t tile) {
 }
 
 static uint32_t row_bytes(const sample_tiles *tiles) {
-  const uint32_t bytes = tiles->columns * 2 * sizeof(float);
-  return (bytes + row_alignment - 1) / row_alignment * row_alignment;
+  return device_row_bytes(tiles->columns, GPU_FORMAT_RG32_FLOAT);
 }
 
 static uint64_t buffer_size(const sample_tiles *tiles) {
@@ -127,36 +124,41 @@ static csm_result find_read(device *device, sample_tiles *tiles, gpu_buffer *con
   return read_create(device, tiles, constants, depth, out);
 }
 
+/* Takes tiles of another size over, with room for their depths; what was seen in the old size is forgotten. */
+static csm_result keep_tiles(csm_cascades *cascades, sample_tiles *tiles) {
+  const size_t size = (size_t)tiles->columns * tiles->rows * 2 * sizeof(float);
+  const csm_result result = context_grow(cascades->context, &cascades->samples_memory, &cascades->samples_size, size);
+  if (result)
+    return result;
+  samples_drop(cascades, cascades->context->device);
+  cascades->tiles = tiles;
+  return CSM_SUCCESS;
+}
+
 csm_result samples_prepare(csm_cascades *cascades, const plan_camera *camera, uint32_t width, uint32_t height,
                            gpu_buffer *constants, gpu_image *depth, sample_read **out) {
   device *device = cascades->context->device;
   samples_collect(cascades);
-  const sample_tiles *old = cascades->tiles;
-  if (!old || old->width != width || old->height != height) {
-    sample_tiles *tiles;
-    const csm_result result = tiles_create(device, width, height, &tiles);
-    if (result)
-      return result;
-    samples_drop(cascades, device);
-    cascades->tiles = tiles;
-  }
   sample_tiles *tiles = cascades->tiles;
-  const size_t size = (size_t)tiles->columns * tiles->rows * 2 * sizeof(float);
-  csm_result result = CSM_SUCCESS;
-  if (size > cascades->samples_size) { /* what was there belongs to another size */
-    cascades->samples.columns = 0;
-    result = context_grow(cascades->context, &cascades->samples_memory, &cascades->samples_size, size);
+  const bool fits = tiles && tiles->width == width && tiles->height == height;
+  csm_result result = fits ? CSM_SUCCESS : tiles_create(device, width, height, &tiles);
+  if (result)
+    return result;
+  result = find_read(device, tiles, constants, depth, out);
+  if (!result && !fits)
+    result = keep_tiles(cascades, tiles);
+  if (result) {
+    if (!fits)
+      sample_tiles_free(device, &tiles->retired);
+    return result;
   }
-  if (!result)
-    result = find_read(device, tiles, constants, depth, out);
-  if (!result)
-    (*out)->about = (plan_samples){.camera = *camera,
-                                   .width = width,
-                                   .height = height,
-                                   .tile_px = DEPTH_TILES_PX,
-                                   .columns = tiles->columns,
-                                   .rows = tiles->rows};
-  return result;
+  (*out)->about = (plan_samples){.camera = *camera,
+                                 .width = width,
+                                 .height = height,
+                                 .tile_px = DEPTH_TILES_PX,
+                                 .columns = tiles->columns,
+                                 .rows = tiles->rows};
+  return CSM_SUCCESS;
 }
 
 /* ---- recording and reading ---- */

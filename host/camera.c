@@ -131,6 +131,19 @@ void camera_ray(const camera_rays *rays, double x, double y, double origin[3], d
   vec_normalize(direction);
 }
 
+void camera_point(const camera_rays *rays, const camera *from, double x, double y, double depth, double point[3]) {
+  double origin[3], direction[3], reach;
+  camera_ray(rays, x, y, origin, direction, &reach);
+  const double along = (depth - vec_dot(origin, from->forward)) / vec_dot(direction, from->forward);
+  for (int axis = 0; axis < 3; axis++)
+    point[axis] = origin[axis] + along * direction[axis];
+}
+
+void camera_slice(const camera_rays *rays, const camera *from, double near, double far, double corners[8][3]) {
+  for (int i = 0; i < 8; i++)
+    camera_point(rays, from, i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? far : near, corners[i]);
+}
+
 double camera_pixel_x(const camera_rays *rays, uint32_t column) {
   return 2.0 * (column + 0.5) / rays->width - 1.0;
 }

@@ -26,10 +26,9 @@ static void second_depth_make(second_depth *out, const flicker_pair *pair) {
 }
 
 static double second_depth_at(const second_depth *d, uint32_t column, uint32_t row, double first_depth) {
-  double origin[3], direction[3], reach;
-  camera_ray(&d->rays, camera_pixel_x(&d->rays, column), camera_pixel_y(&d->rays, row), origin, direction, &reach);
-  const double along = (first_depth - vec_dot(origin, d->first->forward)) / vec_dot(direction, d->first->forward);
-  return vec_dot(origin, d->forward) + along * vec_dot(direction, d->forward) + d->offset;
+  double point[3];
+  camera_point(&d->rays, d->first, camera_pixel_x(&d->rays, column), camera_pixel_y(&d->rays, row), first_depth, point);
+  return vec_dot(point, d->forward) + d->offset;
 }
 
 static void add_point(flicker *sum, const flicker_pair *pair, size_t pixel) {

@@ -68,18 +68,6 @@ static double practical_split(double near, double far, int slice) {
   return near > 0.0 ? LAMBDA * near * pow(far / near, share) + (1.0 - LAMBDA) * uniform : uniform;
 }
 
-/* The eight corners of the view between two view depths. */
-static void slice_corners(double corners[8][3], const camera_rays *rays, const camera *from, double near, double far) {
-  for (int i = 0; i < 8; i++) {
-    double origin[3], direction[3], reach;
-    camera_ray(rays, i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, origin, direction, &reach);
-    const double depth = i & 4 ? far : near;
-    const double along = (depth - vec_dot(origin, from->forward)) / vec_dot(direction, from->forward);
-    for (int axis = 0; axis < 3; axis++)
-      corners[i][axis] = origin[axis] + along * direction[axis];
-  }
-}
-
 void metrics_reference_make(metrics_reference *out, const camera *from, uint32_t width, uint32_t height,
                             double shadow_distance) {
   const double *p = from->projection, near = from->near_depth;
@@ -87,8 +75,8 @@ void metrics_reference_make(metrics_reference *out, const camera *from, uint32_t
   camera_rays_make(&rays, from, width, height);
   for (int slice = 0; slice < SLICES; slice++) {
     double corners[8][3];
-    slice_corners(corners, &rays, from, practical_split(near, shadow_distance, slice),
-                  practical_split(near, shadow_distance, slice + 1));
+    camera_slice(&rays, from, practical_split(near, shadow_distance, slice),
+                 practical_split(near, shadow_distance, slice + 1), corners);
     out->far_depth[slice] = practical_split(near, shadow_distance, slice + 1);
     out->texel[slice] = 2.0 * metrics_sphere_radius(corners, 8) / RESOLUTION;
   }

@@ -14,14 +14,10 @@ static const double pi = 3.14159265358979323846;
 /* ---- what is to be seen ---- */
 
 static void find_slice(double out[8][3], const camera_rays *rays, const camera *inner, double near, double far) {
-  for (int corner = 0; corner < 8; corner++) {
-    double origin[3], direction[3], reach;
-    camera_ray(rays, corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, origin, direction, &reach);
-    const double depth = corner & 4 ? far : near;
-    const double along = (depth - vec_dot(origin, inner->forward)) / vec_dot(direction, inner->forward);
+  camera_slice(rays, inner, near, far, out);
+  for (int corner = 0; corner < 8; corner++)
     for (int i = 0; i < 3; i++)
-      out[corner][i] = inner->position[i] + origin[i] + along * direction[i];
-  }
+      out[corner][i] += inner->position[i];
 }
 
 static bool find_box(double out[8][3], const double world_to_shadow[16]) {

@@ -1,5 +1,6 @@
 /* null_test.c LIBRARY: the null backend alone: it writes down what it is told, and tells of breaches of gpu.h's rules.
  */
+#include "gpu_host.h"
 #include "gpu.h"
 
 #include <dlfcn.h>
@@ -23,16 +24,6 @@ typedef struct fixture {
   char command[256], breach[256]; /* the last of each */
 } fixture;
 
-static void *CSM_CALL allocate(void *user, size_t size, size_t alignment) {
-  (void)user;
-  return aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
-}
-
-static void CSM_CALL release(void *user, void *memory) {
-  (void)user;
-  free(memory);
-}
-
 static void CSM_CALL take_line(void *user, int32_t level, const char *message) {
   fixture *f = user;
   strncpy(level == CSM_LOG_ERROR ? f->breach : f->command, message, sizeof f->command - 1);
@@ -44,7 +35,7 @@ static int set_up(void **state) {
   static fixture all;
   fixture *f = &all;
   const uint32_t usage = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED | GPU_IMAGE_COPY_SOURCE;
-  *f = (fixture){.host = {.user = f, .allocate = allocate, .release = release, .log = take_line}};
+  *f = (fixture){.host = {.user = f, .allocate = test_allocate, .release = test_release, .log = take_line}};
   *state = f;
   void *library = dlopen(null_library, RTLD_NOW | RTLD_LOCAL);
   gpu_handshake_function handshake = NULL;

@@ -6,6 +6,7 @@
  * BACKEND is a backend's library. A camera sees nothing but a plane, so a shader can tell each pixel's position without
  * the camera's depth; boxes above the view cast on it. Exits with 0 if all holds, else with 1 and what does not.
  */
+#include "../gpu_host.h"
 #include "csm_constants.h"
 #include "forward_code.h"
 #include "forward_depths_glsl.h"
@@ -90,16 +91,6 @@ static bool check(bench *b, bool holds, const char *what) {
 }
 
 /* ---- the host's side ---- */
-
-static void *CSM_CALL allocate(void *user, size_t size, size_t alignment) {
-  (void)user;
-  return aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
-}
-
-static void CSM_CALL release(void *user, void *memory) {
-  (void)user;
-  free(memory);
-}
 
 static void CSM_CALL message(void *user, int32_t level, const char *text) {
   bench *b = user;
@@ -450,8 +441,8 @@ static void compare_masks(bench *b, uint8_t masks[FILTERS][PIXELS]) {
 static void run(bench *b) {
   static uint8_t masks[2][FILTERS][PIXELS];
   make_scene(b);
-  b->frame_memory = allocate(NULL, plan_memory_size(BOXES + 1, 2, CASCADES), 16);
-  b->view_memory = allocate(NULL, plan_memory_size(BOXES + 1, 2, 0), 16);
+  b->frame_memory = test_allocate(NULL, plan_memory_size(BOXES + 1, 2, CASCADES), 16);
+  b->view_memory = test_allocate(NULL, plan_memory_size(BOXES + 1, 2, 0), 16);
   if (check(b, !make_buffers(b) && !make_images(b) && !make_programs(b), "making objects")) {
     for (uint32_t bias_mode = 0; bias_mode < 2; ++bias_mode)
       for (uint32_t filter = 0; filter < FILTERS; ++filter)
@@ -460,8 +451,8 @@ static void run(bench *b) {
     compare_masks(b, masks[0]);
   }
   free_objects(b);
-  release(NULL, b->frame_memory);
-  release(NULL, b->view_memory);
+  test_release(NULL, b->frame_memory);
+  test_release(NULL, b->view_memory);
 }
 
 int main(int argc, char **argv) {
@@ -470,7 +461,7 @@ int main(int argc, char **argv) {
   char error[512] = "";
   loader_library library;
   bench b = {0};
-  const gpu_host host = {.user = &b, .allocate = allocate, .release = release, .log = message};
+  const gpu_host host = {.user = &b, .allocate = test_allocate, .release = test_release, .log = message};
   const gpu_open_info info = {.host = &host, .validate = true, .slots = 1, .error = error, .error_size = sizeof error};
   if (loader_open(&library, argv[1], error, sizeof error) || library.backend->open(&info, &b.gpu.device)) {
     fprintf(stderr, "%s\n", error);

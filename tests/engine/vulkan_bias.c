@@ -1,5 +1,6 @@
 /* vulkan_bias.c LIBRARY: the rasterizer's bias is clamped on an engine's device only where the engine says that it
    may be. */
+#include "../gpu_host.h"
 #include "gpu.h"
 #include "shader_code.h"
 #include "vulkan_engine.h"
@@ -14,16 +15,6 @@
 #include <string.h>
 
 static const gpu_backend *gpu;
-
-static void *CSM_CALL allocate(void *user, size_t size, size_t alignment) {
-  (void)user;
-  return aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
-}
-
-static void CSM_CALL release(void *user, void *memory) {
-  (void)user;
-  free(memory);
-}
 
 static void CSM_CALL count_error(void *user, int32_t level, const char *message) {
   (void)message;
@@ -48,7 +39,7 @@ static void expect_clamp(const VkPhysicalDeviceFeatures *told, csm_result expect
   vulkan_engine_open(&engine, VULKAN_ENGINE_TYPICAL);
   engine.native.features = told ? told : &engine.features;
   uint32_t errors = 0;
-  const gpu_host host = {.user = &errors, .allocate = allocate, .release = release, .log = count_error};
+  const gpu_host host = {.user = &errors, .allocate = test_allocate, .release = test_release, .log = count_error};
   gpu_device *device = NULL;
   assert_int_equal(gpu->open(&(gpu_open_info){.host = &host, .slots = 1, .native = &engine.native}, &device),
                    CSM_SUCCESS);

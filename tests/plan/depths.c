@@ -272,6 +272,12 @@ static void receivers_and_casters_lie_in_the_range(void **state) {
   scene_free(&scene);
 }
 
+/* The lists' memory is the next plan's too, so what is to be compared is counted before. */
+static void count_listed(uint32_t listed[CSM_MAX_CASCADES], const plan_frame *frame) {
+  for (uint32_t c = 0; c < frame->cascade_count; ++c)
+    listed[c] = frame->cascades[c].list.instance_count;
+}
+
 /* What becomes of casters before the near plane is the rasteriser's matter: the range is the same. */
 static void clipping_casters_changes_no_range(void **state) {
   (void)state;
@@ -282,8 +288,7 @@ static void clipping_casters_changes_no_range(void **state) {
     planned made = make(&random, &scene, (uint32_t)i % (CSM_DEPTH_SCENE_CLIPPED + 1), light);
     const plan_frame clamped = made.frame;
     uint32_t listed[CSM_MAX_CASCADES];
-    for (uint32_t c = 0; c < clamped.cascade_count; ++c)
-      listed[c] = clamped.cascades[c].list.instance_count;
+    count_listed(listed, &clamped);
     made.config.caster_clip = CSM_CASTER_CLIP;
     replan(&made, &scene, light);
     for (uint32_t c = 0; c < clamped.cascade_count; ++c) {
@@ -334,8 +339,7 @@ static void reversed_maps_hold_one_minus_the_depth(void **state) {
     planned made = make(&random, &scene, (uint32_t)i % (CSM_DEPTH_SCENE_CLIPPED + 1), light);
     const plan_frame plain = made.frame;
     uint32_t listed[CSM_MAX_CASCADES];
-    for (uint32_t c = 0; c < plain.cascade_count; ++c)
-      listed[c] = plain.cascades[c].list.instance_count;
+    count_listed(listed, &plain);
     made.config.map_reversed = 1;
     replan(&made, &scene, light);
     for (uint32_t c = 0; c < plain.cascade_count; ++c) {

@@ -85,13 +85,19 @@ static void manual_ones_are_kept_where_they_fit(void **state) {
   assert_true(frame.cascades[2].info.far_depth == 20.0);
 }
 
-static void orthographic_ones_are_uniform_behind_the_origin(void **state) {
-  (void)state;
+/* Its near plane lies behind it. */
+static test_camera orthographic_camera(void) {
   test_camera camera = plain_camera();
   camera.orthographic = true;
   camera.half_width = camera.half_height = 20.0;
   camera.near = -20.0;
   camera.far = 80.0;
+  return camera;
+}
+
+static void orthographic_ones_are_uniform_behind_the_origin(void **state) {
+  (void)state;
+  const test_camera camera = orthographic_camera();
   const csm_config config = default_config();
   const plan_frame frame = plan_empty(&config, &camera, down);
   for (int i = 0; i < 4; ++i)
@@ -176,11 +182,7 @@ static void modes_follow_their_closed_forms(void **state) {
 /* Logarithms of what lies before the camera, whose near plane lies behind it. */
 static void split_near_gives_an_orthographic_camera_logarithms(void **state) {
   (void)state;
-  test_camera camera = plain_camera();
-  camera.orthographic = true;
-  camera.half_width = camera.half_height = 20.0;
-  camera.near = -20.0;
-  camera.far = 80.0;
+  const test_camera camera = orthographic_camera();
   csm_config config = default_config();
   config.split_mode = CSM_SPLIT_LOGARITHMIC;
   config.split_near = 5.0;
