@@ -63,7 +63,7 @@ struct csm_cascades {
   cascade_resources resources;
   cascade_mask *mask;   /* NULL until one is asked for */
   plan_history history; /* what the last drawn frame handed on */
-  sample_tiles *tiles;  /* NULL until a mask is resolved with sample_distribution */
+  sample_tiles *tiles;  /* NULL until a mask is resolved with depth_samples */
   plan_samples samples; /* of the newest frame that is done; without columns if there was none */
   void *samples_memory; /* that its depths lie in */
   size_t samples_size;

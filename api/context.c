@@ -55,7 +55,7 @@ static csm_context *allocate_context(const csm_create_info *info) {
   context->supply = info->supply;
   context->budget = info->budget;
   context->user = info->user;
-  context->opacities.handles.kind = 1;
+  context->alpha_masks.handles.kind = 1;
   context->keep_geometry = info->flags & CSM_CREATE_KEEP_GEOMETRY;
   return context;
 }
@@ -113,7 +113,7 @@ void CSM_CALL csm_destroy(csm_context *context) {
   }
   close_former(context, UINT64_MAX);
   meshes_destroy(context);
-  opacities_destroy(context);
+  alpha_masks_destroy(context);
   context_release(context, context->scratch);
   context_release(context, context);
 }
@@ -184,7 +184,7 @@ csm_result CSM_CALL csm_switch_backend(csm_context *context, const csm_create_in
   result = result ? context_fail(context, result, "%s", text) : device_open(context, &info, &fresh);
   if (result)
     return refuse(&info, result, context->error);
-  result = opacities_move(context, fresh);
+  result = alpha_masks_move(context, fresh);
   if (!result)
     result = meshes_move(context, fresh);
   if (!result)

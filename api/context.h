@@ -17,11 +17,11 @@ typedef struct mesh_table {
   plan_bounds *bounds; /* as the plan wants them */
 } mesh_table;
 
-typedef struct opacity_table {
+typedef struct alpha_mask_table {
   handle_table handles;
-  csm_opacity_info *infos; /* texels are the context's copy */
+  csm_alpha_mask_info *infos; /* texels are the context's copy */
   uint32_t *users;         /* meshes */
-} opacity_table;
+} alpha_mask_table;
 
 struct csm_context {
   csm_allocate_function allocate;
@@ -35,7 +35,7 @@ struct csm_context {
   device *device;
   device *former; /* engines' devices that the context was switched away from, until their last frame is retired */
   mesh_table meshes;
-  opacity_table opacities;
+  alpha_mask_table alpha_masks;
   bool keep_geometry;
   csm_cascades *cascades; /* all of them */
 
@@ -68,11 +68,11 @@ csm_result context_grow(csm_context *context, void **memory, size_t *capacity, s
 csm_result meshes_move(csm_context *context, device *to);
 void meshes_destroy(csm_context *context);
 
-/* ---- opacity.c ---- */
+/* ---- alpha_mask.c ---- */
 
 /* Makes every texture on another device. */
-csm_result opacities_move(csm_context *context, device *to);
-void opacities_destroy(csm_context *context);
+csm_result alpha_masks_move(csm_context *context, device *to);
+void alpha_masks_destroy(csm_context *context);
 
 /* ---- scene.c ---- */
 

@@ -89,7 +89,7 @@ csm_result device_mask_programs(device *device, const csm_config *config) {
     const mask_kind kind = mask_kind_of(config, normals);
     result = make_mask_program(device, &kind);
   }
-  for (int coarse = 0; coarse < 2 && !result && config->sample_distribution != CSM_SAMPLES_OFF; ++coarse)
+  for (int coarse = 0; coarse < 2 && !result && config->depth_samples != CSM_DEPTH_SAMPLES_OFF; ++coarse)
     if (!device->tiles_programs[coarse])
       result = device_check(device, depth_tiles_program(device->gpu, coarse, &device->tiles_programs[coarse]),
                             "a depth tiles program");
@@ -131,7 +131,7 @@ static void destroy_objects(device *device) {
   device->done = UINT64_MAX;
   retire_collect(device);
   geometry_destroy(device);
-  opacity_destroy(device);
+  alpha_mask_destroy(device);
   recording_destroy(device);
   caster_programs_destroy(device);
   for (uint32_t i = 0; i < device->programs.count; ++i)

@@ -51,13 +51,13 @@ typedef struct caster_programs {
   gpu_program *programs[3][DEVICE_MAX_SHAPES]; /* by gpu_cull */
 } caster_programs;
 
-/* An opacity texture, by slot of the context. */
-typedef struct opacity_image opacity_image;
-typedef struct opacity_images {
-  opacity_image **images;
+/* An alpha mask, by slot of the context. */
+typedef struct alpha_mask_image alpha_mask_image;
+typedef struct alpha_mask_images {
+  alpha_mask_image **images;
   uint32_t capacity;
   uint32_t due; /* that are not uploaded yet */
-} opacity_images;
+} alpha_mask_images;
 
 /* ---- recordings ---- */
 
@@ -115,7 +115,7 @@ struct device {
   retired *retired;
 
   geometry geometry;
-  opacity_images opacities;
+  alpha_mask_images alpha_masks;
   depth_programs programs;
   caster_programs *casters;
   gpu_program *mask_programs[MASK_KINDS]; /* by mask_kind_index; NULL until a configuration or a view asks for one */
@@ -197,17 +197,17 @@ void geometry_remove(device *device, uint32_t slot);
 void geometry_record(device *device);
 void geometry_destroy(device *device);
 
-/* ---- opacity.c ---- */
+/* ---- alpha_mask.c ---- */
 
 /* Makes room for textures in `capacity` slots. */
-csm_result opacity_reserve(device *device, uint32_t capacity);
+csm_result alpha_mask_reserve(device *device, uint32_t capacity);
 /* Makes a checked texture in a slot below the capacity; its texels wait in staging. */
-csm_result opacity_add(device *device, uint32_t slot, const csm_opacity_info *info);
+csm_result alpha_mask_add(device *device, uint32_t slot, const csm_alpha_mask_info *info);
 /* Frees it once the GPU is done with it. */
-void opacity_remove(device *device, uint32_t slot);
-gpu_image *opacity_texture(const device *device, uint32_t slot);
+void alpha_mask_remove(device *device, uint32_t slot);
+gpu_image *alpha_mask_texture(const device *device, uint32_t slot);
 /* Records the copies of textures that are not uploaded yet. */
-void opacity_record(device *device);
-void opacity_destroy(device *device);
+void alpha_mask_record(device *device);
+void alpha_mask_destroy(device *device);
 
 #endif

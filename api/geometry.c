@@ -17,7 +17,7 @@ typedef struct geometry_place {
   uint64_t offset, size;
   gpu_geometry engine;
   gpu_buffer *constants; /* of an alpha-tested mesh, with its bindings; else NULL */
-  gpu_bindings *opacity;
+  gpu_bindings *alpha_mask;
 } geometry_place;
 
 typedef struct geometry_page {
@@ -121,18 +121,18 @@ static void return_to_page(device *device, geometry_place *place) {
     join(device, before);
 }
 
-static void opacity_free(device *device, geometry_place *place) {
-  if (place->opacity)
-    device->gpu.api->bindings_destroy(device->gpu.device, place->opacity);
-  device_buffer_free(device, place->constants, OPACITY_BLOCK);
-  place->opacity = NULL;
+static void alpha_mask_free(device *device, geometry_place *place) {
+  if (place->alpha_mask)
+    device->gpu.api->bindings_destroy(device->gpu.device, place->alpha_mask);
+  device_buffer_free(device, place->constants, ALPHA_MASK_BLOCK);
+  place->alpha_mask = NULL;
   place->constants = NULL;
 }
 
 static void place_free(device *device, retired *self) {
   geometry_place *place = (geometry_place *)self;
   const gpu_geometry *engine = &place->engine;
-  opacity_free(device, place);
+  alpha_mask_free(device, place);
   if (place->page) {
     return_to_page(device, place);
     return;
@@ -240,32 +240,32 @@ typedef struct layout {
 static layout lay_out(const csm_mesh_info *info) {
   layout out;
   out.uvs = round_up((uint64_t)info->vertex_count * position_bytes);
-  out.indices = out.uvs + (info->opacity ? round_up((uint64_t)info->vertex_count * uv_bytes) : 0);
+  out.indices = out.uvs + (info->alpha_mask ? round_up((uint64_t)info->vertex_count * uv_bytes) : 0);
   out.size = out.indices + round_up((uint64_t)info->index_count * info->index_size);
   return out;
 }
 
 static void fill_staging(const csm_mesh_info *info, const layout *layout, char *memory) {
   pack(memory, info->positions, info->vertex_count, info->position_stride, position_bytes);
-  if (info->opacity)
+  if (info->alpha_mask)
     pack(memory + layout->uvs, info->uvs, info->vertex_count, info->uv_stride, uv_bytes);
   memcpy(memory + layout->indices, info->indices, (size_t)info->index_count * info->index_size);
 }
 
 /* The constants and bindings of an alpha-tested mesh, on the programs that it is drawn with. */
-static csm_result add_opacity(device *device, const csm_mesh_info *info, geometry_place *place, pass_mesh *mesh) {
+static csm_result add_alpha_mask(device *device, const csm_mesh_info *info, geometry_place *place, pass_mesh *mesh) {
   const csm_context *context = device->context;
-  const uint32_t slot = handles_find(&context->opacities.handles, info->opacity);
-  const gpu_buffer_info constants = {.name = "opacity constants", .kind = GPU_BUFFER_UPLOAD, .size = OPACITY_BLOCK};
+  const uint32_t slot = handles_find(&context->alpha_masks.handles, info->alpha_mask);
+  const gpu_buffer_info constants = {.name = "alpha_mask constants", .kind = GPU_BUFFER_UPLOAD, .size = ALPHA_MASK_BLOCK};
   csm_result result = device_buffer(device, &constants, &place->constants);
   if (result)
     return result;
-  opacity_write(device->gpu.api->buffer_memory(place->constants), &context->opacities.infos[slot], info->alpha_cutoff);
+  alpha_mask_write(device->gpu.api->buffer_memory(place->constants), &context->alpha_masks.infos[slot], info->alpha_cutoff);
   const gpu_bindings_info reads =
-      opacity_inputs(device->programs.camera[0][mesh->programs], place->constants, opacity_texture(device, slot));
-  result = device_check(device, device->gpu.api->bindings_create(device->gpu.device, &reads, &place->opacity),
+      alpha_mask_inputs(device->programs.camera[0][mesh->programs], place->constants, alpha_mask_texture(device, slot));
+  result = device_check(device, device->gpu.api->bindings_create(device->gpu.device, &reads, &place->alpha_mask),
                         "an alpha-tested mesh's bindings");
-  mesh->opacity = place->opacity;
+  mesh->alpha_mask = place->alpha_mask;
   return result;
 }
 
@@ -324,13 +324,13 @@ static csm_result add_engines(device *device, const csm_mesh_info *info, geometr
 static csm_result add_shape(device *device, const csm_mesh_info *info, geometry_place *place, pass_mesh *mesh) {
   const bool engines = !place->page;
   const pass_vertices vertices = {.stride = engines ? place->engine.vertex_stride : position_bytes,
-                                  .uv_stride = !info->opacity ? 0
+                                  .uv_stride = !info->alpha_mask ? 0
                                                : engines      ? place->engine.uv_stride
                                                               : uv_bytes};
-  if (engines && info->opacity && (vertices.uv_stride < uv_bytes || vertices.uv_stride % 4))
+  if (engines && info->alpha_mask && (vertices.uv_stride < uv_bytes || vertices.uv_stride % 4))
     return context_fail(device->context, CSM_ERROR_INVALID_VALUE, "the mesh's uv_stride is not allowed");
   const csm_result result = device_programs(device, vertices, &mesh->programs);
-  return result || !info->opacity ? result : add_opacity(device, info, place, mesh);
+  return result || !info->alpha_mask ? result : add_alpha_mask(device, info, place, mesh);
 }
 
 csm_result geometry_add(device *device, uint32_t slot, const csm_mesh_info *info) {
@@ -349,7 +349,7 @@ csm_result geometry_add(device *device, uint32_t slot, const csm_mesh_info *info
   }
   mesh.index_count = info->index_count;
   mesh.two_sided = info->flags & CSM_MESH_TWO_SIDED;
-  mesh.closed = info->flags & CSM_MESH_CLOSED && !info->opacity;
+  mesh.closed = info->flags & CSM_MESH_WATERTIGHT && !info->alpha_mask;
   geometry->meshes[slot] = mesh;
   geometry->places[slot] = place;
   geometry->bytes += place->size;

@@ -123,7 +123,7 @@ static csm_result reserve(csm_cascades *cascades, resolve *r) {
   if (result)
     return result;
   gpu_image *depth = r->depth ? r->depth : r->mask->depth;
-  if (cascades->config.sample_distribution != CSM_SAMPLES_OFF)
+  if (cascades->config.depth_samples != CSM_DEPTH_SAMPLES_OFF)
     result = samples_prepare(cascades, &r->camera, r->info.width, r->info.height, r->ring.buffer, depth, &r->samples);
   if (result)
     return result;

@@ -100,7 +100,7 @@ static csm_result check_engines(const device *device, const csm_mesh_info *info)
 static csm_result check_shape(csm_context *context, csm_mesh_info *info) {
   if (!info->position_stride)
     info->position_stride = 3 * sizeof(float);
-  const char *wrong = info->flags & ~(uint32_t)(CSM_MESH_TWO_SIDED | CSM_MESH_CLOSED) ? "flags"
+  const char *wrong = info->flags & ~(uint32_t)(CSM_MESH_TWO_SIDED | CSM_MESH_WATERTIGHT) ? "flags"
                       : info->position_stride % 4 || info->position_stride < 12       ? "position_stride"
                       : !info->vertex_count || info->vertex_count > INT32_MAX         ? "vertex_count"
                       : !info->index_count || info->index_count % 3                   ? "index_count"
@@ -110,22 +110,22 @@ static csm_result check_shape(csm_context *context, csm_mesh_info *info) {
   return wrong ? context_fail(context, CSM_ERROR_INVALID_VALUE, "the mesh's %s is not allowed", wrong) : CSM_SUCCESS;
 }
 
-static csm_result check_opacity(const device *device, csm_mesh_info *info, bool engines) {
+static csm_result check_alpha_mask(const device *device, csm_mesh_info *info, bool engines) {
   csm_context *context = device->context;
-  if (!info->opacity)
+  if (!info->alpha_mask)
     return CSM_SUCCESS;
   if (!info->uv_stride)
     info->uv_stride = 2 * sizeof(float);
-  if (handles_find(&context->opacities.handles, info->opacity) == UINT32_MAX)
-    return context_fail(context, CSM_ERROR_INVALID_HANDLE, "the mesh's opacity %llx does not exist",
-                        (unsigned long long)info->opacity);
+  if (handles_find(&context->alpha_masks.handles, info->alpha_mask) == UINT32_MAX)
+    return context_fail(context, CSM_ERROR_INVALID_HANDLE, "the mesh's alpha_mask %llx does not exist",
+                        (unsigned long long)info->alpha_mask);
   if (!(info->alpha_cutoff > 0 && info->alpha_cutoff <= 1))
     return context_fail(context, isfinite(info->alpha_cutoff) ? CSM_ERROR_INVALID_VALUE : CSM_ERROR_NOT_FINITE,
                         "the mesh's alpha_cutoff is not above 0 and up to 1");
   if (engines)
     return CSM_SUCCESS;
   if (!info->uvs)
-    return context_fail(context, CSM_ERROR_NULL_POINTER, "the mesh's uvs is NULL, and it has an opacity");
+    return context_fail(context, CSM_ERROR_NULL_POINTER, "the mesh's uvs is NULL, and it has an alpha_mask");
   if (info->uv_stride % 4 || info->uv_stride < 8)
     return context_fail(context, CSM_ERROR_INVALID_VALUE, "the mesh's uv_stride is not allowed");
   const char *next = info->uvs;
@@ -153,7 +153,7 @@ static csm_result check_mesh(const device *device, csm_mesh_info *info, plan_bou
   if (!result && !engines)
     result = check_indices(context, info);
   if (!result)
-    result = check_opacity(device, info, engines);
+    result = check_alpha_mask(device, info, engines);
   for (int axis = 0; axis < 3 && !result; ++axis) {
     bounds->center[axis] = ((double)low[axis] + high[axis]) / 2;
     bounds->extent[axis] = ((double)high[axis] - low[axis]) / 2;
@@ -164,7 +164,7 @@ static csm_result check_mesh(const device *device, csm_mesh_info *info, plan_bou
 /* ---- copies in host memory ---- */
 
 static size_t uv_bytes(const csm_mesh_info *info) {
-  return info->opacity ? (size_t)info->vertex_count * 2 * sizeof(float) : 0;
+  return info->alpha_mask ? (size_t)info->vertex_count * 2 * sizeof(float) : 0;
 }
 
 static void copy_packed(char *to, const char *from, uint32_t count, uint32_t stride, uint32_t bytes) {
@@ -183,7 +183,7 @@ static csm_result keep(csm_context *context, const csm_mesh_info *info, char **o
   if (!copy)
     return CSM_ERROR_OUT_OF_MEMORY;
   copy_packed(copy, info->positions, info->vertex_count, info->position_stride, 12);
-  if (info->opacity)
+  if (info->alpha_mask)
     copy_packed(copy + position_bytes, info->uvs, info->vertex_count, info->uv_stride, 8);
   memcpy(copy + position_bytes + uv_bytes(info), info->indices, index_bytes);
   *out = copy;
@@ -200,16 +200,16 @@ static csm_mesh_info kept_info(const csm_mesh_info *info, const char *copy) {
                          .indices = copy ? copy + position_bytes + uv_bytes(info) : NULL,
                          .index_count = info->index_count,
                          .index_size = info->index_size,
-                         .opacity = info->opacity,
-                         .uvs = copy && info->opacity ? copy + position_bytes : NULL,
+                         .alpha_mask = info->alpha_mask,
+                         .uvs = copy && info->alpha_mask ? copy + position_bytes : NULL,
                          .uv_stride = 8,
                          .alpha_cutoff = info->alpha_cutoff};
 }
 
-/* Counts a mesh among the users of its opacity, or no longer. */
-static void use_opacity(csm_context *context, const csm_mesh_info *info, int change) {
-  if (info->opacity)
-    context->opacities.users[handles_find(&context->opacities.handles, info->opacity)] += (uint32_t)change;
+/* Counts a mesh among the users of its alpha mask, or no longer. */
+static void use_alpha_mask(csm_context *context, const csm_mesh_info *info, int change) {
+  if (info->alpha_mask)
+    context->alpha_masks.users[handles_find(&context->alpha_masks.handles, info->alpha_mask)] += (uint32_t)change;
 }
 
 csm_result CSM_CALL csm_mesh_create(csm_context *context, const csm_mesh_info *info, csm_mesh *mesh) {
@@ -242,7 +242,7 @@ csm_result CSM_CALL csm_mesh_create(csm_context *context, const csm_mesh_info *i
   meshes->copies[index] = copy;
   meshes->infos[index] = kept_info(&own, copy);
   meshes->bounds[index] = bounds;
-  use_opacity(context, &own, 1);
+  use_alpha_mask(context, &own, 1);
   *mesh = handles_take(&meshes->handles);
   return CSM_SUCCESS;
 }
@@ -258,7 +258,7 @@ csm_result CSM_CALL csm_mesh_destroy(csm_context *context, csm_mesh mesh) {
   if (index == UINT32_MAX)
     return context_fail(context, CSM_ERROR_INVALID_HANDLE, "mesh %llx does not exist", (unsigned long long)mesh);
   geometry_remove(context->device, index);
-  use_opacity(context, &meshes->infos[index], -1);
+  use_alpha_mask(context, &meshes->infos[index], -1);
   context_release(context, meshes->copies[index]);
   meshes->copies[index] = NULL;
   handles_free(&meshes->handles, index);
@@ -282,7 +282,7 @@ static csm_result supply(csm_context *context, uint32_t index, csm_mesh_info *ou
     return context_fail(context, result, "mesh %llx was not supplied: %s", (unsigned long long)mesh,
                         csm_result_name(result));
   if (out->vertex_count != kept->vertex_count || out->index_count != kept->index_count ||
-      out->index_size != kept->index_size || out->opacity != kept->opacity)
+      out->index_size != kept->index_size || out->alpha_mask != kept->alpha_mask)
     return context_fail(context, CSM_ERROR_INVALID_VALUE, "mesh %llx was supplied with another shape",
                         (unsigned long long)mesh);
   return CSM_SUCCESS;

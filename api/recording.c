@@ -129,7 +129,7 @@ csm_result recording_begin(device *device, void *native) {
   slot->serial = device->serial = next->serial;
   device->slot = next->slot;
   geometry_record(device);
-  opacity_record(device);
+  alpha_mask_record(device);
   return CSM_SUCCESS;
 }
 

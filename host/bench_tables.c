@@ -60,11 +60,11 @@ void bench_table_modes(bench_table *out, const csm_config *config) {
                        .about = "the mask's pass with what else it may do, to the configuration without",
                        .base = {"base", *config}};
   csm_config *base = &out->base.config;
-  base->sample_distribution = CSM_SAMPLES_OFF;
+  base->depth_samples = CSM_DEPTH_SAMPLES_OFF;
   base->selection = CSM_SELECT_INTERVAL;
   base->blend_mode = CSM_BLEND_OFF;
-  add(out, "samples splits")->sample_distribution = CSM_SAMPLES_SPLITS;
-  add(out, "samples bounds")->sample_distribution = CSM_SAMPLES_BOUNDS;
+  add(out, "samples splits")->depth_samples = CSM_DEPTH_SAMPLES_SPLITS;
+  add(out, "samples bounds")->depth_samples = CSM_DEPTH_SAMPLES_BOUNDS;
   add(out, "selection map")->selection = CSM_SELECT_MAP;
   add(out, "selection best")->selection = CSM_SELECT_BEST;
   add(out, "blend linear")->blend_mode = CSM_BLEND_LINEAR;
@@ -96,22 +96,22 @@ void bench_table_maps(bench_table *out, const csm_config *config) {
   base->map_layout = CSM_LAYOUT_ARRAY;
   base->map_format = CSM_MAP_D32;
   base->map_reversed = 0;
-  base->cull_mode = CSM_CULL_NONE;
+  base->face_culling = CSM_FACE_CULLING_NONE;
   base->fit_mode = CSM_FIT_MINIMUM_SPHERE;
   base->depth_mode = CSM_DEPTH_CASTERS;
-  base->caster_clip = CSM_CASTER_CLAMP;
+  base->pancaking = CSM_PANCAKING_CLAMP;
   add(out, "atlas")->map_layout = CSM_LAYOUT_ATLAS;
   add(out, "d16")->map_format = CSM_MAP_D16;
   add(out, "reversed")->map_reversed = 1;
-  add(out, "cull back")->cull_mode = CSM_CULL_BACK;
-  add(out, "cull front")->cull_mode = CSM_CULL_FRONT;
+  add(out, "cull back")->face_culling = CSM_FACE_CULLING_BACK;
+  add(out, "cull front")->face_culling = CSM_FACE_CULLING_FRONT;
   csm_config *raster = add(out, "raster bias");
-  raster->bias_raster_constant = 2.0;
-  raster->bias_raster_slope = 1.5;
+  raster->polygon_offset_constant = 2.0;
+  raster->polygon_offset_slope = 1.5;
   csm_config *sides = add(out, "resolutions halved");
   for (uint32_t i = 1; i < sides->cascade_count; i++)
     sides->resolutions[i] = sides->resolution >= 32 ? sides->resolution / 2 : sides->resolution;
-  csm_config *clip = add(out, "caster_clip clip");
-  clip->caster_clip = CSM_CASTER_CLIP;
+  csm_config *clip = add(out, "pancaking clip");
+  clip->pancaking = CSM_PANCAKING_CLIP;
   add_fits(out);
 }

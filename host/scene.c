@@ -134,7 +134,7 @@ void scene_free(scene *s) {
     free(s->meshes[m].indices);
   }
   for (size_t m = 0; m < s->material_count; m++)
-    free(s->materials[m].opacity.alpha);
+    free(s->materials[m].alpha_mask.alpha);
   free(s->materials);
   free(s->meshes);
   free(s->instances);

@@ -9,20 +9,20 @@
 
 typedef enum scene_wrap { SCENE_WRAP_REPEAT, SCENE_WRAP_MIRROR, SCENE_WRAP_CLAMP } scene_wrap;
 
-/* What cuts a surface out: it is there where scene_opacity_at is at least `cutoff`. */
-typedef struct scene_opacity {
+/* What cuts a surface out: it is there where scene_alpha_mask_at is at least `cutoff`. */
+typedef struct scene_alpha_mask {
   uint8_t *alpha; /* width * height, the row of v = 0 first; NULL: opaque everywhere */
   uint32_t width, height;
   scene_wrap wrap[2]; /* of u and v */
   double factor;      /* the texture's alpha is multiplied by it */
   double cutoff;
-} scene_opacity;
+} scene_alpha_mask;
 
 typedef struct scene_material {
   char name[64];
   float color[3];        /* linear, reflected share of light */
   bool alpha_tested;     /* the file wants it cut out by its texture */
-  scene_opacity opacity; /* where it is alpha-tested */
+  scene_alpha_mask alpha_mask; /* where it is alpha-tested */
   bool two_sided;
 } scene_material;
 
@@ -75,9 +75,9 @@ uint32_t scene_add_mesh(scene *s, const scene_mesh *mesh);
 void scene_add_instance(scene *s, uint32_t mesh, const double transform[16]);
 
 /* Opacity from 0 to 1, bilinear between texels, at a texture coordinate. Precondition: there is a texture. */
-double scene_opacity_at(const scene_opacity *opacity, const double uv[2]);
+double scene_alpha_mask_at(const scene_alpha_mask *alpha_mask, const double uv[2]);
 /* What cuts a mesh out, or NULL if it is opaque everywhere. */
-const scene_opacity *scene_cut_out(const scene *s, const scene_mesh *mesh);
+const scene_alpha_mask *scene_cut_out(const scene *s, const scene_mesh *mesh);
 
 uint32_t scene_index(const scene_mesh *mesh, uint32_t corner);
 /* Triangles drawn: those of every instance. */

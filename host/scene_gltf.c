@@ -97,13 +97,13 @@ static void read_texture(const loader *l, scene_material *material, const struct
   if (data && image_mean_of_png(data, size, mean) == 0)
     for (int i = 0; i < 3; i++)
       material->color[i] *= mean[i];
-  scene_opacity *opacity = &material->opacity;
+  scene_alpha_mask *alpha_mask = &material->alpha_mask;
   if (data && material->alpha_tested)
-    opacity->alpha = image_alpha_of_png(data, size, &opacity->width, &opacity->height);
-  opacity->wrap[0] = wrap_mode(modes[0]);
-  opacity->wrap[1] = wrap_mode(modes[1]);
-  opacity->factor = alpha_factor(from);
-  opacity->cutoff = alpha_cutoff(from);
+    alpha_mask->alpha = image_alpha_of_png(data, size, &alpha_mask->width, &alpha_mask->height);
+  alpha_mask->wrap[0] = wrap_mode(modes[0]);
+  alpha_mask->wrap[1] = wrap_mode(modes[1]);
+  alpha_mask->factor = alpha_factor(from);
+  alpha_mask->cutoff = alpha_cutoff(from);
   free(owned);
 }
 

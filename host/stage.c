@@ -46,20 +46,20 @@ static void describe_device(stage *s, const char *asked) {
     }
 }
 
-/* `opacity`: of its material, or 0. */
-static csm_mesh_info describe_mesh(const scene *from, const scene_mesh *mesh, csm_opacity opacity, bool closed) {
+/* `alpha mask`: of its material, or 0. */
+static csm_mesh_info describe_mesh(const scene *from, const scene_mesh *mesh, csm_alpha_mask alpha_mask, bool closed) {
   csm_mesh_info info = {.struct_size = sizeof info,
-                        .flags = closed ? CSM_MESH_CLOSED : 0,
+                        .flags = closed ? CSM_MESH_WATERTIGHT : 0,
                         .positions = mesh->positions,
                         .vertex_count = mesh->vertex_count,
                         .indices = mesh->indices,
                         .index_count = mesh->index_count,
                         .index_size = mesh->index_size,
                         .name = mesh->name};
-  const scene_opacity *cut = scene_cut_out(from, mesh);
+  const scene_alpha_mask *cut = scene_cut_out(from, mesh);
   if (cut) {
     info.flags = CSM_MESH_TWO_SIDED; /* leaves are */
-    info.opacity = opacity;
+    info.alpha_mask = alpha_mask;
     info.uvs = mesh->uvs;
     info.alpha_cutoff = (float)fmin(cut->cutoff / cut->factor, 1.0);
   }
@@ -72,7 +72,7 @@ static csm_result CSM_CALL supply_mesh(void *user, csm_mesh mesh, csm_mesh_info 
   for (size_t m = 0; m < s->setup->scene.mesh_count; m++)
     if (s->meshes[m] == mesh) {
       const scene_mesh *from = &s->setup->scene.meshes[m];
-      *info = describe_mesh(&s->setup->scene, from, s->opacities[from->material], s->closed[m]);
+      *info = describe_mesh(&s->setup->scene, from, s->alpha_masks[from->material], s->closed[m]);
       return CSM_SUCCESS;
     }
   return CSM_ERROR_INVALID_HANDLE;
@@ -96,44 +96,44 @@ int stage_open(stage *out, const char *backend, const char *device) {
 void stage_close(stage *s) {
   csm_destroy(s->context);
   free(s->meshes);
-  free(s->opacities);
+  free(s->alpha_masks);
   free(s->closed);
   free(s->instances);
   *s = (stage){0};
 }
 
 /* A factor that no texel can make up for leaves nothing of the surface. */
-static bool is_empty(const scene_opacity *cut) {
+static bool is_empty(const scene_alpha_mask *cut) {
   return cut->cutoff > cut->factor;
 }
 
-static csm_result upload_opacity(stage *s, const scene_opacity *cut, csm_opacity *out) {
+static csm_result upload_alpha_mask(stage *s, const scene_alpha_mask *cut, csm_alpha_mask *out) {
   static const uint32_t wraps[] = {[SCENE_WRAP_REPEAT] = CSM_WRAP_REPEAT,
                                    [SCENE_WRAP_MIRROR] = CSM_WRAP_MIRROR,
                                    [SCENE_WRAP_CLAMP] = CSM_WRAP_CLAMP};
   static const uint8_t nothing[1] = {0};
-  const csm_opacity_info info = {.struct_size = sizeof info,
+  const csm_alpha_mask_info info = {.struct_size = sizeof info,
                                  .width = is_empty(cut) ? 1 : cut->width,
                                  .height = is_empty(cut) ? 1 : cut->height,
                                  .wrap_u = wraps[cut->wrap[0]],
                                  .wrap_v = wraps[cut->wrap[1]],
                                  .texels = is_empty(cut) ? nothing : cut->alpha};
-  return csm_opacity_create(s->context, &info, out);
+  return csm_alpha_mask_create(s->context, &info, out);
 }
 
 static int upload_meshes(stage *s, const scene *from) {
   int code = 0;
   s->meshes = host_allocate(from->mesh_count, sizeof *s->meshes);
-  s->opacities = host_allocate(from->material_count, sizeof *s->opacities);
+  s->alpha_masks = host_allocate(from->material_count, sizeof *s->alpha_masks);
   s->closed = host_allocate(from->mesh_count, sizeof *s->closed);
   for (size_t m = 0; m < from->mesh_count && code == 0; m++) {
     const scene_mesh *mesh = &from->meshes[m];
-    const scene_opacity *cut = scene_cut_out(from, mesh);
-    csm_opacity *opacity = &s->opacities[mesh->material];
-    if (cut && !*opacity)
-      code = exit_code(upload_opacity(s, cut, opacity));
+    const scene_alpha_mask *cut = scene_cut_out(from, mesh);
+    csm_alpha_mask *alpha_mask = &s->alpha_masks[mesh->material];
+    if (cut && !*alpha_mask)
+      code = exit_code(upload_alpha_mask(s, cut, alpha_mask));
     s->closed[m] = mesh_is_closed(mesh);
-    const csm_mesh_info info = describe_mesh(from, mesh, *opacity, s->closed[m]);
+    const csm_mesh_info info = describe_mesh(from, mesh, *alpha_mask, s->closed[m]);
     if (code == 0)
       code = exit_code(csm_mesh_create(s->context, &info, &s->meshes[m]));
   }

@@ -12,7 +12,7 @@ typedef struct stage {
   csm_context *context;
   csm_cascades *cascades;
   csm_mesh *meshes;
-  csm_opacity *opacities; /* by material; 0: opaque */
+  csm_alpha_mask *alpha_masks; /* by material; 0: opaque */
   bool *closed;           /* by mesh: mesh_is_closed */
   csm_instance *instances;
   csm_frame frame;

@@ -10,7 +10,7 @@
 /* A mesh, and what cuts it out: NULL if nothing does. */
 typedef struct cut_mesh {
   const scene_mesh *mesh;
-  const scene_opacity *opacity;
+  const scene_alpha_mask *alpha_mask;
 } cut_mesh;
 
 typedef struct tracer {
@@ -35,7 +35,7 @@ static void look_through(const struct RTCFilterFunctionNArguments *arguments) {
     uv[0] += weights[corner] * at[0];
     uv[1] += weights[corner] * at[1];
   }
-  if (scene_opacity_at(cut->opacity, uv) < cut->opacity->cutoff)
+  if (scene_alpha_mask_at(cut->alpha_mask, uv) < cut->alpha_mask->cutoff)
     arguments->valid[0] = 0;
 }
 
@@ -51,7 +51,7 @@ static RTCScene commit_mesh(RTCDevice device, cut_mesh *cut) {
     for (uint32_t i = 0; i < mesh->index_count; i++)
       indices[i] = scene_index(mesh, i);
   }
-  if (cut->opacity) {
+  if (cut->alpha_mask) {
     rtcSetGeometryUserData(geometry, cut);
     rtcSetGeometryIntersectFilterFunction(geometry, look_through);
   }
@@ -84,7 +84,7 @@ static bool build(tracer *t) {
   t->meshes = host_allocate(s->mesh_count, sizeof(RTCScene));
   t->cuts = host_allocate(s->mesh_count, sizeof *t->cuts);
   for (size_t m = 0; m < s->mesh_count; m++) {
-    t->cuts[m] = (cut_mesh){.mesh = &s->meshes[m], .opacity = scene_cut_out(s, &s->meshes[m])};
+    t->cuts[m] = (cut_mesh){.mesh = &s->meshes[m], .alpha_mask = scene_cut_out(s, &s->meshes[m])};
     t->meshes[m] = commit_mesh(t->device, &t->cuts[m]);
   }
   t->world = rtcNewScene(t->device);

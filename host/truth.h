@@ -13,7 +13,7 @@
 /* The world's triangles, ready for rays. */
 typedef struct truth truth;
 
-/* `s` must outlive it. alpha_test: triangles of alpha-tested materials are cut out by their opacity. */
+/* `s` must outlive it. alpha_test: triangles of alpha-tested materials are cut out by their alpha_mask. */
 truth *truth_create(const scene *s, bool alpha_test);
 void truth_destroy(truth *t); /* NULL is allowed */
 /* Bytes that the triangles take, Embree's share included. */

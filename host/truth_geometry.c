@@ -75,7 +75,7 @@ static void find_surfaces(truth_geometry *g) {
   free(table);
 }
 
-/* ---- opacity ---- */
+/* ---- alpha mask ---- */
 
 static void find_cut_out(truth_geometry *g) {
   const scene *s = g->scene;
@@ -117,7 +117,7 @@ bool truth_geometry_opaque(const truth_geometry *g, uint32_t triangle, const dou
     uv[0] += weights[i] * corner[0];
     uv[1] += weights[i] * corner[1];
   }
-  return scene_opacity_at(&material->opacity, uv) >= material->opacity.cutoff;
+  return scene_alpha_mask_at(&material->alpha_mask, uv) >= material->alpha_mask.cutoff;
 }
 
 /* ---- making ---- */

@@ -12,7 +12,7 @@ typedef struct truth_geometry {
   uint32_t *indices;  /* three a triangle */
   uint32_t *surfaces; /* of each triangle: those with the same three corners are one surface */
   uint32_t *first;    /* of each instance, its first triangle; one more at the end */
-  bool *cut_out;      /* of each instance: its opacity decides; NULL: of none */
+  bool *cut_out;      /* of each instance: its alpha mask decides; NULL: of none */
 } truth_geometry;
 
 /* 0, or HOST_BAD_INPUT after a message. truth_geometry_free is allowed in both cases. */

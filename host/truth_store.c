@@ -30,7 +30,7 @@ static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size) {
 #define HASH_START 14695981039346656037u
 
 static uint64_t hash_material(uint64_t hash, const scene_material *material) {
-  const scene_opacity *o = &material->opacity;
+  const scene_alpha_mask *o = &material->alpha_mask;
   const double numbers[] = {
       o->alpha ? o->width : 0.0, o->alpha ? o->height : 0.0, o->wrap[0], o->wrap[1], o->factor, o->cutoff,
       material->alpha_tested};

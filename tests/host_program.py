@@ -154,7 +154,7 @@ def check_bench(folder, scene):
             "modes": ("base", ("samples splits", "samples bounds", "selection map", "selection best", "blend linear",
                                "blend dithered")),
             "maps": ("base", ("atlas", "d16", "reversed", "cull back", "cull front", "raster bias", "resolutions halved",
-                              "caster_clip clip", "fit cascade", "fit scene_square", "depth slice", "depth scene"))}
+                              "pancaking clip", "fit cascade", "fit scene_square", "depth slice", "depth scene"))}
     for part, (base, names) in rows.items():
         table = bench_part(part, folder, scene)
         expect(table["base"] == base, f"bench --only {part}: compared with {table['base']}")

@@ -6,15 +6,15 @@
 /* The rasteriser biases away from the light, which is towards 0 where depth is reversed. */
 pass_casters cascade_depth_casters(const csm_config *config) {
   static const gpu_cull culls[] = {
-      [CSM_CULL_NONE] = GPU_CULL_NONE, [CSM_CULL_FRONT] = GPU_CULL_FRONT, [CSM_CULL_BACK] = GPU_CULL_BACK};
+      [CSM_FACE_CULLING_NONE] = GPU_CULL_NONE, [CSM_FACE_CULLING_FRONT] = GPU_CULL_FRONT, [CSM_FACE_CULLING_BACK] = GPU_CULL_BACK};
   const float away = config->map_reversed ? -1.0f : 1.0f;
   return (pass_casters){.format = config->map_format == CSM_MAP_D16 ? GPU_FORMAT_D16_UNORM : GPU_FORMAT_D32_FLOAT,
                         .reversed = config->map_reversed,
-                        .clip = config->caster_clip == CSM_CASTER_CLIP,
-                        .cull = culls[config->cull_mode],
-                        .bias = {.constant = (int32_t)(away * (float)config->bias_raster_constant),
-                                 .slope = away * (float)config->bias_raster_slope,
-                                 .clamp = away * (float)config->bias_raster_clamp}};
+                        .clip = config->pancaking == CSM_PANCAKING_CLIP,
+                        .cull = culls[config->face_culling],
+                        .bias = {.constant = (int32_t)(away * (float)config->polygon_offset_constant),
+                                 .slope = away * (float)config->polygon_offset_slope,
+                                 .clamp = away * (float)config->polygon_offset_clamp}};
 }
 
 csm_result cascade_depth_program(pass_gpu gpu, const pass_casters *casters, gpu_cull cull, pass_vertices vertices,

@@ -24,12 +24,12 @@ void draw_list(pass_gpu gpu, const draw_list_info *info) {
       current = program;
       gpu.api->pass_program(gpu.device, program);
     }
-    if (mesh->opacity)
-      gpu.api->pass_bind(gpu.device, mesh->opacity, &(uint32_t){0});
+    if (mesh->alpha_mask)
+      gpu.api->pass_bind(gpu.device, mesh->alpha_mask, &(uint32_t){0});
     gpu.api->pass_draw(
         gpu.device,
         &(gpu_draw){
-            .streams = {mesh->vertices, info->matrices, mesh->opacity ? mesh->vertices : NULL},
+            .streams = {mesh->vertices, info->matrices, mesh->alpha_mask ? mesh->vertices : NULL},
             .stream_offsets = {mesh->vertex_offset, info->offset + (uint64_t)draw->first * info->rows * row_bytes,
                                mesh->uv_offset},
             .indices = mesh->indices,
@@ -41,15 +41,15 @@ void draw_list(pass_gpu gpu, const draw_list_info *info) {
   }
 }
 
-/* What an opacity adds to a program: coordinates, a pixel shader that discards, and what that reads. */
-static void add_opacity(gpu_program_info *info, const draw_list_kind *kind, uint32_t uv_stride) {
+/* What an alpha mask adds to a program: coordinates, a pixel shader that discards, and what that reads. */
+static void add_alpha_mask(gpu_program_info *info, const draw_list_kind *kind, uint32_t uv_stride) {
   info->vertex = kind->cut_out_vertex;
   info->pixel = shader_opacity_ps;
   info->streams[info->stream_count] = (gpu_stream){.stride = uv_stride};
   info->attributes[info->attribute_count++] =
       (gpu_attribute){.format = GPU_FORMAT_RG32_FLOAT, .stream = info->stream_count++};
   info->constants_count = 1;
-  info->constants_sizes[0] = OPACITY_BLOCK;
+  info->constants_sizes[0] = ALPHA_MASK_BLOCK;
   info->texture_count = 1;
 }
 
@@ -71,6 +71,6 @@ csm_result draw_list_program(pass_gpu gpu, const draw_list_kind *kind, pass_vert
     info.attributes[1 + row] =
         (gpu_attribute){.format = GPU_FORMAT_RGBA32_FLOAT, .stream = 1, .offset = row * row_bytes};
   if (vertices.uv_stride)
-    add_opacity(&info, kind, vertices.uv_stride);
+    add_alpha_mask(&info, kind, vertices.uv_stride);
   return gpu.api->program_create(gpu.device, &info, out);
 }

@@ -18,11 +18,11 @@ typedef struct draw_list_info {
 void draw_list(pass_gpu gpu, const draw_list_info *info);
 
 /* What sets one such program apart. It draws positions into a depth image; there is a pixel
-   shader only where an opacity cuts out what is not there. */
+   shader only where an alpha mask cuts out what is not there. */
 typedef struct draw_list_kind {
   const char *name;
   gpu_code vertex;
-  gpu_code cut_out_vertex; /* with an opacity */
+  gpu_code cut_out_vertex; /* with an alpha mask */
   uint32_t rows;
   gpu_format format;
   gpu_compare compare;

@@ -21,8 +21,8 @@ typedef struct pass_mesh {
   uint32_t index_count, index_size;
   uint32_t programs;      /* index of the programs for its shape */
   bool two_sided, closed; /* no face of it is culled; its back faces need not be drawn */
-  uint64_t uv_offset;     /* in the vertices' buffer; read only with an opacity */
-  gpu_bindings *opacity;  /* of an alpha-tested mesh, else NULL */
+  uint64_t uv_offset;     /* in the vertices' buffer; read only with an alpha mask */
+  gpu_bindings *alpha_mask;  /* of an alpha-tested mesh, else NULL */
 } pass_mesh;
 
 /* What programs that draw a mesh depend on. */
@@ -70,14 +70,14 @@ typedef struct cascade_depth_pass {
 
 void cascade_depth_record(pass_gpu gpu, const cascade_depth_pass *pass);
 
-/* ---- opacity ---- */
+/* ---- alpha mask ---- */
 
-enum { OPACITY_BLOCK = 256 };
+enum { ALPHA_MASK_BLOCK = 256 };
 
-/* Writes the constants of an alpha-tested mesh: OPACITY_BLOCK bytes. */
-void opacity_write(void *out, const csm_opacity_info *info, float cutoff);
+/* Writes the constants of an alpha-tested mesh: ALPHA_MASK_BLOCK bytes. */
+void alpha_mask_write(void *out, const csm_alpha_mask_info *info, float cutoff);
 /* What such a mesh reads: its constants from the buffer's beginning, and the texture. */
-gpu_bindings_info opacity_inputs(const gpu_program *program, gpu_buffer *constants, gpu_image *texture);
+gpu_bindings_info alpha_mask_inputs(const gpu_program *program, gpu_buffer *constants, gpu_image *texture);
 
 /* ---- the camera's depth ---- */
 

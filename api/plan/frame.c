@@ -50,7 +50,7 @@ csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *m
     plan_scene_bounds(&box, frame.basis, info->scene);
   plan_area areas[CSM_MAX_CASCADES];
   plan_hull hull = {0};
-  if (config->caster_culling == CSM_CASTERS_VIEW)
+  if (config->caster_set == CSM_CASTER_SET_VIEW)
     plan_view_hull(&hull, &frame.camera, frame.basis, frame.cascades[frame.cascade_count - 1].info.far_depth,
                    largest_texel(fits, frame.cascade_count) * plan_padding_texels(config));
   plan_lists lists = {.count = frame.cascade_count, .sides = true};

@@ -39,7 +39,7 @@ void plan_view_rotation_inverse(double out[9], const double view[16]);
 /* ---- light ---- */
 /*
  * The basis that a frame is drawn with: that of its light, or of the last frame's as long as the light has not moved a
- * step, turned as roll_mode says. Errors: those of plan_light_basis.
+ * step, turned as light_roll says. Errors: those of plan_light_basis.
  */
 csm_result plan_light_make(double basis[9], const csm_config *config, const double direction[3],
                            const plan_history *before, const char **error);

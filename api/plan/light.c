@@ -83,7 +83,7 @@ csm_result plan_light_make(double basis[9], const csm_config *config, const doub
       basis[i] = before->basis[i];
     return CSM_SUCCESS;
   }
-  if (config->roll_mode == CSM_ROLL_CARRIED)
+  if (config->light_roll == CSM_LIGHT_ROLL_CARRIED)
     carry(basis, last, before->basis, along);
   return CSM_SUCCESS;
 }

@@ -94,12 +94,12 @@ static bool same_image(const plan_camera *a, const plan_camera *b) {
  * before.
  */
 bool plan_samples_usable(const plan_samples *samples, const plan_camera *camera, const csm_config *config) {
-  if (config->sample_distribution == CSM_SAMPLES_OFF || !samples || !samples->columns ||
+  if (config->depth_samples == CSM_DEPTH_SAMPLES_OFF || !samples || !samples->columns ||
       !same_image(&samples->camera, camera))
     return false;
   const plan_camera *then = &samples->camera;
   const double tangent = fmin(1.0 / fabs(camera->projection[0]), 1.0 / fabs(camera->projection[5]));
-  const double most = config->sample_margin * (camera->orthographic ? 1.0 : 2.0 * atan(tangent));
+  const double most = config->depth_samples_margin * (camera->orthographic ? 1.0 : 2.0 * atan(tangent));
   double right = 0.0, moved = 0.0;
   for (int i = 0; i < 3; ++i) {
     right += then->view[i * 4] * camera->view[i * 4];
@@ -107,7 +107,7 @@ bool plan_samples_usable(const plan_samples *samples, const plan_camera *camera,
     moved += step * step;
   }
   const double ahead = plan_dot(then->forward, camera->forward), farthest = farthest_depth(samples);
-  return farthest > 0.0 && ahead >= cos(most) && right >= cos(most) && sqrt(moved) <= config->sample_margin * farthest;
+  return farthest > 0.0 && ahead >= cos(most) && right >= cos(most) && sqrt(moved) <= config->depth_samples_margin * farthest;
 }
 
 /* ---- splits ---- */
@@ -129,7 +129,7 @@ static plan_steps keep_or_fit(double needed, const plan_steps *before, double di
 
 void plan_samples_range(double *near, double *end, const plan_fit_frame *frame) {
   const plan_samples *samples = frame->samples;
-  const double margin = frame->config->sample_margin;
+  const double margin = frame->config->depth_samples_margin;
   double inverse[9], nearest = INFINITY, farthest = -INFINITY;
   plan_view_rotation_inverse(inverse, samples->camera.view);
   for (uint32_t row = 0; row < samples->rows; ++row)
@@ -198,14 +198,14 @@ static bool visible_bounds(double low[2], double high[2], const plan_fit_frame *
       if (!tile_depths(depths, samples, column, row))
         continue;
       meet_neighbours(depths, samples, column, row);
-      tile_corners(corners, samples, column, row, depths, frame->config->sample_margin);
+      tile_corners(corners, samples, column, row, depths, frame->config->depth_samples_margin);
       for (int i = 0; i < 8; ++i)
         shift = fmax(shift, fabs(depth_from(frame->camera, &samples->camera, inverse, corners[i]) - depths[i / 4]));
       depths[0] = fmax(depths[0], near - shift);
       depths[1] = fmin(depths[1], far + shift);
       if (depths[0] > depths[1])
         continue;
-      tile_corners(corners, samples, column, row, depths, frame->config->sample_margin);
+      tile_corners(corners, samples, column, row, depths, frame->config->depth_samples_margin);
       for (int i = 0; i < 8; ++i) {
         double light[3];
         plan_view_to_light(light, &samples->camera, frame->basis, inverse, corners[i]);
@@ -222,11 +222,11 @@ static bool visible_bounds(double low[2], double high[2], const plan_fit_frame *
 void plan_samples_bound(double middle[2], double width[2], const plan_fit_frame *frame, uint32_t cascade, double near,
                         double far) {
   double low[2], high[2];
-  if (frame->config->sample_distribution != CSM_SAMPLES_BOUNDS || !visible_bounds(low, high, frame, near, far))
+  if (frame->config->depth_samples != CSM_DEPTH_SAMPLES_BOUNDS || !visible_bounds(low, high, frame, near, far))
     return;
   const plan_history *before = frame->before;
   for (int k = 0; k < 2; ++k) {
-    const double room = 1.0 + frame->config->sample_margin;
+    const double room = 1.0 + frame->config->depth_samples_margin;
     const double begin = fmax(low[k], middle[k] - width[k] / 2.0), end = fmin(high[k], middle[k] + width[k] / 2.0);
     const double needed = (end - begin) * room;
     if (!(needed > 0.0))

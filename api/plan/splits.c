@@ -19,7 +19,7 @@ static double practical_split(double near, double end, double share, double lamb
 /* The far end of a cascade that split_distances give. */
 static double manual_split(const csm_config *config, uint32_t cascade, double near, double end) {
   const double given = config->split_distances[cascade];
-  return config->split_mode == CSM_SPLIT_SHARES ? near + (end - near) * given : given;
+  return config->split_mode == CSM_SPLIT_FRACTIONS ? near + (end - near) * given : given;
 }
 
 static double split_lambda(const csm_config *config) {
@@ -31,7 +31,7 @@ static double split_lambda(const csm_config *config) {
 csm_result plan_splits(double *depths, const plan_fit_frame *frame, const char **error) {
   const csm_config *config = frame->config;
   const uint32_t count = config->cascade_count;
-  const bool manual = config->split_mode == CSM_SPLIT_MANUAL || config->split_mode == CSM_SPLIT_SHARES;
+  const bool manual = config->split_mode == CSM_SPLIT_MANUAL || config->split_mode == CSM_SPLIT_FRACTIONS;
   double near = frame->camera->near_depth;
   const double reach = fmin(config->shadow_distance, frame->camera->far_depth);
   double end = manual ? fmin(reach, manual_split(config, count - 1, near, reach)) : reach;

@@ -84,7 +84,7 @@ static void fill_input(const gpu_program_info *info, D3D12_INPUT_ELEMENT_DESC *e
   }
 }
 
-static D3D12_CULL_MODE cull_mode(gpu_cull cull) {
+static D3D12_CULL_MODE face_culling(gpu_cull cull) {
   switch (cull) {
   case GPU_CULL_BACK:
     return D3D12_CULL_MODE_BACK;
@@ -123,7 +123,7 @@ static HRESULT create_pipeline(gpu_device *device, const gpu_program_info *info,
                                        .RenderTargetWriteMask = D3D12_COLOR_WRITE_ENABLE_ALL}}},
       .SampleMask = ~0u,
       .RasterizerState = {.FillMode = D3D12_FILL_MODE_SOLID,
-                          .CullMode = cull_mode(info->cull),
+                          .CullMode = face_culling(info->cull),
                           .FrontCounterClockwise = TRUE,
                           .DepthBias = info->raster_bias.constant,
                           .DepthBiasClamp = info->raster_bias.clamp,

@@ -131,7 +131,7 @@ static csm_result module_create(gpu_device *device, const gpu_code *code, const 
   return result;
 }
 
-static VkCullModeFlags cull_mode(gpu_cull cull) {
+static VkCullModeFlags face_culling(gpu_cull cull) {
   switch (cull) {
   case GPU_CULL_BACK:
     return VK_CULL_MODE_BACK_BIT;
@@ -181,7 +181,7 @@ static csm_result pipeline_create(gpu_device *device, gpu_program *program, cons
                                                              VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
                                                          .depthClampEnable = !info->depth_clip,
                                                          .polygonMode = VK_POLYGON_MODE_FILL,
-                                                         .cullMode = cull_mode(info->cull),
+                                                         .cullMode = face_culling(info->cull),
                                                          .frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE,
                                                          .depthBiasEnable = bias->constant || bias->slope != 0,
                                                          .depthBiasConstantFactor = (float)bias->constant,

@@ -104,10 +104,10 @@ static void contradictions(void **state) {
   } cases[] = {
 #define CASE(what, change) {(c = f.good, change, c), what}
       CASE("split_distances do not rise", c.split_mode = CSM_SPLIT_MANUAL),
-      CASE("split_distances do not rise", (c.split_mode = CSM_SPLIT_SHARES, c.split_distances[0] = 0.5)),
-      CASE("split_distances are shares", (c.split_mode = CSM_SPLIT_SHARES, c.split_distances[0] = 0.2,
+      CASE("split_distances do not rise", (c.split_mode = CSM_SPLIT_FRACTIONS, c.split_distances[0] = 0.5)),
+      CASE("split_distances are shares", (c.split_mode = CSM_SPLIT_FRACTIONS, c.split_distances[0] = 0.2,
                                           c.split_distances[1] = 0.5, c.split_distances[2] = 1.5)),
-      CASE("sample_distribution splits", (c.split_mode = CSM_SPLIT_MANUAL, c.sample_distribution = CSM_SAMPLES_SPLITS)),
+      CASE("depth_samples splits", (c.split_mode = CSM_SPLIT_MANUAL, c.depth_samples = CSM_DEPTH_SAMPLES_SPLITS)),
       CASE("filter_taps of filter pcf_n", (c.filter = CSM_FILTER_PCF_N, c.filter_taps = 4)),
       CASE("filter_taps of filter pcf_n", (c.filter = CSM_FILTER_PCF_N, c.filter_taps = 1)),
       CASE("filter_taps of filter pcf_n", (c.filter = CSM_FILTER_PCF_N, c.filter_taps = 33)),
@@ -122,7 +122,7 @@ static void contradictions(void **state) {
       CASE("resolutions", c.resolutions[1] = 15),
       CASE("resolution is too small", (c.resolutions[2] = 24, c.filter = CSM_FILTER_PCF_N, c.filter_taps = 31)),
       CASE("blend_share", (c.blend_mode = CSM_BLEND_DITHERED, c.blend_share = 0)),
-      CASE("fade_share", (c.beyond = CSM_BEYOND_FADED, c.fade_share = 0)),
+      CASE("fade_share", (c.out_of_range = CSM_OUT_OF_RANGE_FADED, c.fade_share = 0)),
 #undef CASE
   };
   for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)

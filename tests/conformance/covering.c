@@ -28,9 +28,9 @@ static const struct {
     {"bias_constant_m", 2, {0, 0.05}},
     {"bias_slope_range", 2, {0, 0.001}},
     {"bias_limit_range", 2, {0, 0.0005}},
-    {"bias_raster_constant", 3, {0, 40, -40}},
-    {"bias_raster_slope", 3, {0, 2, -1}},
-    {"bias_raster_clamp", 2, {0, 0.001}},
+    {"polygon_offset_constant", 3, {0, 40, -40}},
+    {"polygon_offset_slope", 3, {0, 2, -1}},
+    {"polygon_offset_clamp", 2, {0, 0.001}},
 };
 
 static void add_level(covering_option *option, double value) {

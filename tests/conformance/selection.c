@@ -80,7 +80,7 @@ static void beyond_is_lit_dark_or_faded(void **state) {
   csm_binding binding;
   float *depths = depths_of(&f, &config, &binding), *masks[3];
   for (uint32_t beyond = 0; beyond < 3; ++beyond) {
-    config.beyond = beyond;
+    config.out_of_range = beyond;
     masks[beyond] = mask_of(&f, &config);
   }
   const double finish = binding.cascades[2].far_depth, length = config.fade_share * finish;
@@ -186,7 +186,7 @@ static void faces_are_culled_as_they_say(void **state) {
   open_fixture(&f);
   const struct {
     csm_instance instance;
-    bool casts[3]; /* by cull_mode: none, front, back */
+    bool casts[3]; /* by face_culling: none, front, back */
   } cases[] = {
       {support_instance(f.scene.square, 0, 1, 0, 2, 1, 2), {true, false, true}},
       {support_instance(f.scene.square, 0, 1, 0, -2, 1, 2), {true, false, true}},
@@ -202,7 +202,7 @@ static void faces_are_culled_as_they_say(void **state) {
     uint32_t counts[3];
     float depth[3] = {0};
     for (uint32_t cull = 0; cull < 3; ++cull) {
-      config.cull_mode = cull;
+      config.face_culling = cull;
       counts[cull] = covered(&f, &config, &cases[i].instance, &depth[cull]);
       if ((counts[cull] > 0) != cases[i].casts[cull])
         fail_msg("case %u, cull %u: %u texels", i, cull, counts[cull]);
@@ -215,7 +215,7 @@ static void faces_are_culled_as_they_say(void **state) {
   memcpy(leaf.transform, (const double[]){2, 0, 0, 0, 0, 0, 2, 0, 0, -2, 0, 0}, 12 * sizeof(double));
   uint32_t counts[3];
   for (uint32_t cull = 0; cull < 3; ++cull) {
-    config.cull_mode = cull;
+    config.face_culling = cull;
     float depth;
     counts[cull] = covered(&f, &config, &leaf, &depth);
   }
@@ -236,10 +236,10 @@ static void casters_before_the_near_plane_are_clamped_or_clipped(void **state) {
       config.cascade_count = 1;
       config.depth_mode = mode;
       config.map_reversed = reversed;
-      config.caster_clip = CSM_CASTER_CLAMP;
+      config.pancaking = CSM_PANCAKING_CLAMP;
       assert_true(covered(&f, &config, &high, &depth) > 100);
       assert_true(depth == (reversed ? 1.0f : 0.0f));
-      config.caster_clip = CSM_CASTER_CLIP;
+      config.pancaking = CSM_PANCAKING_CLIP;
       assert_int_equal(covered(&f, &config, &high, &depth), 0);
       config.depth_mode = CSM_DEPTH_SCENE; /* reaches as far as all casters do */
       assert_true(covered(&f, &config, &high, &depth) > 100);
@@ -262,20 +262,20 @@ static void the_rasterisers_bias_moves_depth(void **state) {
   for (uint32_t reversed = 0; reversed < 2; ++reversed) {
     float plain, moved;
     config.map_reversed = reversed;
-    config.bias_raster_constant = 0;
+    config.polygon_offset_constant = 0;
     covered(&f, &config, &ground, &plain);
     for (int units = -200; units <= 200; units += 100) {
-      config.bias_raster_constant = units;
+      config.polygon_offset_constant = units;
       covered(&f, &config, &ground, &moved);
       const double away = (reversed ? plain - moved : moved - plain) * 65536;
       if (fabs(away - units) > 1.1 && fabs(away - 2 * units) > 1.1)
         fail_msg("reversed %u: %d units move depth by %g", reversed, units, away);
     }
-    config.bias_raster_constant = 200;
-    config.bias_raster_clamp = 0.001;
+    config.polygon_offset_constant = 200;
+    config.polygon_offset_clamp = 0.001;
     covered(&f, &config, &ground, &moved);
     assert_true(fabs(fabs((double)moved - plain) - 0.001) < 1.1 / 65536);
-    config.bias_raster_clamp = 0;
+    config.polygon_offset_clamp = 0;
   }
   close_fixture(&f);
 }
@@ -348,10 +348,10 @@ static void samples_settle_and_cost_nothing(void **state) {
   (void)state;
   fixture f;
   open_fixture(&f);
-  for (uint32_t mode = CSM_SAMPLES_SPLITS; mode <= CSM_SAMPLES_BOUNDS; ++mode) {
+  for (uint32_t mode = CSM_DEPTH_SAMPLES_SPLITS; mode <= CSM_DEPTH_SAMPLES_BOUNDS; ++mode) {
     csm_config config = base_config();
     config.shadow_distance = 1000;
-    config.sample_distribution = mode;
+    config.depth_samples = mode;
     begin(&f, &config);
     csm_binding first = {.struct_size = sizeof first}, last = {.struct_size = sizeof last};
     assert_int_equal(csm_bind(f.cascades, &first), CSM_SUCCESS);

@@ -26,8 +26,8 @@ static void make_meshes(telling *scene, csm_context *context) {
     const int x = i % 8 - 4, y = i / 8 - 4;
     texels[i] = x * x + 2 * y * y < 16 && (x + y) % 4 ? 255 : 20;
   }
-  const csm_opacity_info opacity = {.struct_size = sizeof opacity, .width = 8, .height = 8, .texels = texels};
-  assert_int_equal(csm_opacity_create(context, &opacity, &scene->opacity), CSM_SUCCESS);
+  const csm_alpha_mask_info alpha_mask = {.struct_size = sizeof alpha_mask, .width = 8, .height = 8, .texels = texels};
+  assert_int_equal(csm_alpha_mask_create(context, &alpha_mask, &scene->alpha_mask), CSM_SUCCESS);
   const csm_mesh_info leaf = {.struct_size = sizeof leaf,
                               .flags = CSM_MESH_TWO_SIDED,
                               .positions = leaf_positions,
@@ -35,7 +35,7 @@ static void make_meshes(telling *scene, csm_context *context) {
                               .indices = leaf_indices,
                               .index_count = 6,
                               .index_size = 2,
-                              .opacity = scene->opacity,
+                              .alpha_mask = scene->alpha_mask,
                               .uvs = leaf_uvs,
                               .alpha_cutoff = 0.5f,
                               .name = "leaf"};

@@ -12,7 +12,7 @@ enum { TELLING_INSTANCES = 16, TELLING_CAMERAS = 3, TELLING_STEPS = 2 };
 
 typedef struct telling {
   csm_mesh square, box, wedge, leaf;
-  csm_opacity opacity;
+  csm_alpha_mask alpha_mask;
   csm_instance instances[TELLING_INSTANCES];
 } telling;
 

@@ -289,7 +289,7 @@ static void clipping_casters_changes_no_range(void **state) {
     const plan_frame clamped = made.frame;
     uint32_t listed[CSM_MAX_CASCADES];
     count_listed(listed, &clamped);
-    made.config.caster_clip = CSM_CASTER_CLIP;
+    made.config.pancaking = CSM_PANCAKING_CLIP;
     replan(&made, &scene, light);
     for (uint32_t c = 0; c < clamped.cascade_count; ++c) {
       assert_memory_equal(&made.frame.cascades[c].info, &clamped.cascades[c].info, sizeof clamped.cascades[c].info);

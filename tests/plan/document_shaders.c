@@ -389,7 +389,7 @@ static void the_surveys_raster_bias_goes_with_the_exponent(void **state) {
   assert_near(d32_bias(100000.0, 0.05), 3.7e-4, 5e-6);
   assert_near(d32_bias(100000.0, 0.6), 6.0e-3, 5e-5);
   csm_config config = default_config();
-  assert_true(config.bias_raster_constant == 0.0);
+  assert_true(config.polygon_offset_constant == 0.0);
   config.cascade_count = 1;
   config.shadow_distance = 20.0;
   maps_make(maps, &config, sun);
@@ -413,7 +413,7 @@ static void the_surveys_front_culling_leaks_with_a_bias(void **state) {
   const float bias = 0.005f, fragment = 0.5f, underside = 0.5f;
   assert_false(fragment - bias > underside); /* lit, under the box */
   const csm_config config = default_config();
-  assert_int_equal(config.cull_mode, CSM_CULL_NONE);
+  assert_int_equal(config.face_culling, CSM_FACE_CULLING_NONE);
   maps_make(maps, &config, sun);
   const double top[3] = {floor_point[0], floor_point[1] + 1.0, floor_point[2]};
   maps_draw_plane(maps, up, top, 0.0);

@@ -1,5 +1,5 @@
 /*
- * Instances whose transform turns faces around: drawn apart by a cascade, which may leave faces out, whatever cull_mode
+ * Instances whose transform turns faces around: drawn apart by a cascade, which may leave faces out, whatever face_culling
  * is; a closed mesh's are left out without it.
  */
 #include "support.h"
@@ -93,10 +93,10 @@ static void sides_are_apart_in_a_cascade(void **state) {
     camera_matrices(&camera, view, projection);
     scatter(&scene, &random, camera.eye);
     random_unit(&random, light);
-    for (uint32_t cull = CSM_CULL_NONE; cull <= CSM_CULL_BACK; ++cull) {
+    for (uint32_t cull = CSM_FACE_CULLING_NONE; cull <= CSM_FACE_CULLING_BACK; ++cull) {
       plan_frame frame;
       const char *error = "";
-      config.cull_mode = cull;
+      config.face_culling = cull;
       assert_int_equal(plan_made(&frame, &config, view, projection, light, &scene.scene, scene.memory, &error), 0);
       for (uint32_t c = 0; c < frame.cascade_count; ++c) {
         const plan_list *list = &frame.cascades[c].list;
@@ -148,7 +148,7 @@ static void memory_holds_as_many_draws_as_there_can_be(void **state) {
     for (int k = 0; k < 3; ++k)
       scene.meshes[i].extent[k] = 1.0;
   csm_config config = default_config();
-  config.cull_mode = CSM_CULL_BACK;
+  config.face_culling = CSM_FACE_CULLING_BACK;
   config.cascade_count = CSM_MAX_CASCADES;
   const test_camera camera = plain_camera();
   double view[16], projection[16];

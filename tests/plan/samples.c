@@ -145,7 +145,7 @@ static plan_frame plan_with(const csm_config *config, const test_camera *camera,
 
 static csm_config sampled_config(uint32_t distribution) {
   csm_config config = default_config();
-  config.sample_distribution = distribution;
+  config.depth_samples = distribution;
   config.shadow_distance = 1000.0;
   return config;
 }
@@ -196,7 +196,7 @@ static void splits_and_bounds_hold_what_is_seen(void **state) {
   (void)state;
   depth_field *const fields[] = {ground_and_wall, ground, small_thing};
   for (int field = 0; field < 3; ++field)
-    for (uint32_t distribution = CSM_SAMPLES_SPLITS; distribution <= CSM_SAMPLES_BOUNDS; ++distribution)
+    for (uint32_t distribution = CSM_DEPTH_SAMPLES_SPLITS; distribution <= CSM_DEPTH_SAMPLES_BOUNDS; ++distribution)
       for (uint32_t fit = 0; fit <= CSM_FIT_SCENE_SQUARE; ++fit) {
         const test_camera camera = plain_camera();
         csm_config config = sampled_config(distribution);
@@ -226,10 +226,10 @@ static void splits_keep_to_the_margin(void **state) {
       farthest = fmax(farthest, seen.depths[row][column]);
     }
   for (int i = 0; i <= 10; ++i) {
-    csm_config config = sampled_config(CSM_SAMPLES_SPLITS);
-    config.sample_margin = i / 20.0;
+    csm_config config = sampled_config(CSM_DEPTH_SAMPLES_SPLITS);
+    config.depth_samples_margin = i / 20.0;
     const plan_frame frame = plan_with(&config, &camera, &seen, NULL);
-    const double near = nearest * (1.0 - config.sample_margin), end = farthest * (1.0 + config.sample_margin);
+    const double near = nearest * (1.0 - config.depth_samples_margin), end = farthest * (1.0 + config.depth_samples_margin);
     assert_true(frame.cascades[0].info.near_depth <= near * (1.0 + 1e-6));
     assert_true(frame.cascades[0].info.near_depth >= near / step * (1.0 - 1e-6));
     assert_true(end_of(&frame) >= end * (1.0 - 1e-6) && end_of(&frame) <= end * step * (1.0 + 1e-6));
@@ -245,9 +245,9 @@ static void any_camera_has_what_it_sees(void **state) {
     const test_camera camera = random_camera(&random, 10.0);
     csm_config config = random_full_config(&random);
     config.bias_normal_texels = 0.0;
-    config.sample_distribution = CSM_SAMPLES_BOUNDS;
+    config.depth_samples = CSM_DEPTH_SAMPLES_BOUNDS;
     if (config.split_mode != CSM_SPLIT_MANUAL && i % 2)
-      config.sample_distribution = CSM_SAMPLES_SPLITS;
+      config.depth_samples = CSM_DEPTH_SAMPLES_SPLITS;
     picture seen;
     take(&seen, &camera, slanted);
     const plan_frame frame = plan_with(&config, &camera, &seen, NULL);
@@ -261,7 +261,7 @@ static void any_camera_has_what_it_sees(void **state) {
 static void what_lies_past_the_ends_is_left_out(void **state) {
   (void)state;
   const test_camera camera = plain_camera();
-  csm_config config = sampled_config(CSM_SAMPLES_BOUNDS);
+  csm_config config = sampled_config(CSM_DEPTH_SAMPLES_BOUNDS);
   picture seen;
   take(&seen, &camera, ground); /* up to 1000 m */
   config.shadow_distance = 50.0;
@@ -286,7 +286,7 @@ static void where_nothing_was_seen_nothing_is_fitted(void **state) {
   const test_camera camera = plain_camera();
   picture seen;
   take(&seen, &camera, nothing);
-  for (uint32_t distribution = CSM_SAMPLES_OFF; distribution <= CSM_SAMPLES_BOUNDS; ++distribution) {
+  for (uint32_t distribution = CSM_DEPTH_SAMPLES_OFF; distribution <= CSM_DEPTH_SAMPLES_BOUNDS; ++distribution) {
     const csm_config config = sampled_config(distribution);
     assert_unfitted(&config, &camera, &seen);
     picture none = seen;
@@ -294,7 +294,7 @@ static void where_nothing_was_seen_nothing_is_fitted(void **state) {
     assert_unfitted(&config, &camera, &none);
   }
   take(&seen, &camera, ground_and_wall);
-  const csm_config off = sampled_config(CSM_SAMPLES_OFF);
+  const csm_config off = sampled_config(CSM_DEPTH_SAMPLES_OFF);
   assert_unfitted(&off, &camera, &seen);
 }
 
@@ -303,7 +303,7 @@ static void a_cut_is_not_fitted(void **state) {
   const test_camera camera = plain_camera();
   picture seen;
   take(&seen, &camera, ground_and_wall);
-  for (uint32_t distribution = CSM_SAMPLES_SPLITS; distribution <= CSM_SAMPLES_BOUNDS; ++distribution) {
+  for (uint32_t distribution = CSM_DEPTH_SAMPLES_SPLITS; distribution <= CSM_DEPTH_SAMPLES_BOUNDS; ++distribution) {
     const csm_config config = sampled_config(distribution);
     test_camera cut = camera;
     assert_true(plan_with(&config, &cut, &seen, NULL).history.has_samples);
@@ -374,7 +374,7 @@ static void a_moving_camera_has_what_it_sees_now(void **state) {
   (void)state;
   random_state random = {2};
   for (int i = 0; i < 300; ++i) {
-    const csm_config config = sampled_config(i % 2 ? CSM_SAMPLES_SPLITS : CSM_SAMPLES_BOUNDS);
+    const csm_config config = sampled_config(i % 2 ? CSM_DEPTH_SAMPLES_SPLITS : CSM_DEPTH_SAMPLES_BOUNDS);
     const test_camera base = standing_somewhere(&random);
     plan_history history = {0};
     for (int step = 0; step < 6; ++step) {
@@ -397,7 +397,7 @@ static void a_moving_camera_has_what_it_sees_now(void **state) {
 static void the_margin_holds_what_comes_into_the_picture(void **state) {
   (void)state;
   random_state random = {4};
-  csm_config config = sampled_config(CSM_SAMPLES_BOUNDS);
+  csm_config config = sampled_config(CSM_DEPTH_SAMPLES_BOUNDS);
   config.split_mode = CSM_SPLIT_MANUAL; /* whatever depth it has */
   for (int c = 0; c < 4; ++c)
     config.split_distances[c] = (double[]){5.0, 15.0, 50.0, 1000.0}[c];
@@ -431,8 +431,8 @@ static void what_was_seen_is_found_again_after_a_move(void **state) {
   random_state random = {5};
   uint32_t found = 0;
   for (int i = 0; i < 600; ++i) {
-    csm_config config = sampled_config(CSM_SAMPLES_BOUNDS);
-    config.sample_margin = 0.15;
+    csm_config config = sampled_config(CSM_DEPTH_SAMPLES_BOUNDS);
+    config.depth_samples_margin = 0.15;
     const test_camera base = standing_somewhere(&random);
     test_camera moved = base;
     const double angle = random_between(&random, -0.2, 0.2);
@@ -474,7 +474,7 @@ static void sizes_stay_while_a_camera_sways(void **state) {
   const int settled = 20;
   uint32_t needed = 0;
   for (int i = 0; i < 300; ++i) {
-    const csm_config config = sampled_config(i % 2 ? CSM_SAMPLES_SPLITS : CSM_SAMPLES_BOUNDS);
+    const csm_config config = sampled_config(i % 2 ? CSM_DEPTH_SAMPLES_SPLITS : CSM_DEPTH_SAMPLES_BOUNDS);
     const test_camera base = standing_somewhere(&random);
     plan_history history = {0};
     plan_frame last = {0}, alone = {0};
@@ -503,7 +503,7 @@ static void sizes_stay_while_a_camera_sways(void **state) {
 /* What grows is held at once; what has been too wide for some frames lets go. */
 static void sizes_follow_what_is_seen(void **state) {
   (void)state;
-  const csm_config config = sampled_config(CSM_SAMPLES_SPLITS);
+  const csm_config config = sampled_config(CSM_DEPTH_SAMPLES_SPLITS);
   const test_camera camera = plain_camera();
   picture wall, horizon;
   take(&wall, &camera, ground_and_wall);

@@ -197,7 +197,7 @@ static void shares_are_of_the_way_to_the_end(void **state) {
     camera.near = random_scale(&random, 0.01, 1.0);
     camera.far = random_scale(&random, 10.0, 1e4);
     csm_config config = default_config();
-    config.split_mode = CSM_SPLIT_SHARES;
+    config.split_mode = CSM_SPLIT_FRACTIONS;
     config.cascade_count = 4;
     config.split_near = random_between(&random, 0.0, 10.0); /* is for splits that are not given */
     config.shadow_distance = random_scale(&random, 10.0, 1e4);

@@ -49,7 +49,7 @@ static void a_step_holds_the_light(void **state) {
   random_state random = {1};
   for (int i = 0; i < 3000; ++i) {
     csm_config config = default_config();
-    config.roll_mode = (uint32_t)i % 2;
+    config.light_roll = (uint32_t)i % 2;
     config.light_step_texels = random_scale(&random, 0.1, 16.0);
     const double step = config.light_step_texels / config.resolution;
     double first[3], frame_axes[9], moved[3];
@@ -68,7 +68,7 @@ static void a_step_holds_the_light(void **state) {
     assert_int_equal(plan_light_basis(exact, moved, &error), CSM_SUCCESS);
     for (int k = 0; k < 3; ++k)
       assert_true(beyond.basis[6 + k] == exact[6 + k]);
-    if (config.roll_mode == CSM_ROLL_FIXED)
+    if (config.light_roll == CSM_LIGHT_ROLL_FIXED)
       assert_memory_equal(beyond.basis, exact, sizeof exact);
   }
 }
@@ -118,7 +118,7 @@ static void a_creeping_light_is_followed(void **state) {
 static void carried_maps_turn_no_more_than_their_light(void **state) {
   (void)state;
   csm_config config = default_config();
-  config.roll_mode = CSM_ROLL_CARRIED;
+  config.light_roll = CSM_LIGHT_ROLL_CARRIED;
   random_state random = {2};
   for (int path = 0; path < 24; ++path) {
     /* Through both axes' poles, through the pole of the fixed basis and its opposite, and anywhere */
@@ -193,7 +193,7 @@ static void a_carried_roll_stands_any_turn(void **state) {
   (void)state;
   random_state random = {4};
   csm_config config = default_config();
-  config.roll_mode = CSM_ROLL_CARRIED;
+  config.light_roll = CSM_LIGHT_ROLL_CARRIED;
   for (int i = 0; i < 3000; ++i) {
     double light[3];
     random_unit(&random, light);

@@ -393,23 +393,23 @@ static void mirrored_instances_face_right(void **state) {
 
 /* ---- alpha ---- */
 
-static void opacity_is_bilinear_and_wraps(void **state) {
+static void alpha_mask_is_bilinear_and_wraps(void **state) {
   (void)state;
   uint8_t alpha[] = {0, 255, 51, 102};
-  scene_opacity o = {.alpha = alpha, .width = 2, .height = 2, .factor = 0.5};
-  assert_true(fabs(scene_opacity_at(&o, (const double[2]){0.25, 0.25}) - 0.0) < 1e-12);
-  assert_true(fabs(scene_opacity_at(&o, (const double[2]){0.75, 0.25}) - 0.5) < 1e-12);
-  assert_true(fabs(scene_opacity_at(&o, (const double[2]){0.25, 0.75}) - 0.1) < 1e-12);
-  assert_true(fabs(scene_opacity_at(&o, (const double[2]){0.5, 0.5}) - 0.2) < 1e-12);
+  scene_alpha_mask o = {.alpha = alpha, .width = 2, .height = 2, .factor = 0.5};
+  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){0.25, 0.25}) - 0.0) < 1e-12);
+  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){0.75, 0.25}) - 0.5) < 1e-12);
+  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){0.25, 0.75}) - 0.1) < 1e-12);
+  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){0.5, 0.5}) - 0.2) < 1e-12);
   /* at the left border, between the last column and the first */
-  assert_true(fabs(scene_opacity_at(&o, (const double[2]){0.0, 0.25}) - 0.25) < 1e-12);
-  assert_true(fabs(scene_opacity_at(&o, (const double[2]){-2.25, 3.25}) - 0.5) < 1e-12);
+  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){0.0, 0.25}) - 0.25) < 1e-12);
+  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){-2.25, 3.25}) - 0.5) < 1e-12);
   o.wrap[0] = SCENE_WRAP_CLAMP;
-  assert_true(fabs(scene_opacity_at(&o, (const double[2]){-3.0, 0.25}) - 0.0) < 1e-12);
-  assert_true(fabs(scene_opacity_at(&o, (const double[2]){7.0, 0.25}) - 0.5) < 1e-12);
+  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){-3.0, 0.25}) - 0.0) < 1e-12);
+  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){7.0, 0.25}) - 0.5) < 1e-12);
   o.wrap[0] = SCENE_WRAP_MIRROR;
-  assert_true(fabs(scene_opacity_at(&o, (const double[2]){1.25, 0.25}) - 0.5) < 1e-12);
-  assert_true(fabs(scene_opacity_at(&o, (const double[2]){-0.25, 0.25}) - 0.0) < 1e-12);
+  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){1.25, 0.25}) - 0.5) < 1e-12);
+  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){-0.25, 0.25}) - 0.0) < 1e-12);
 }
 
 /* A leaf over the ground whose texture is opaque in its left half: the seam lies at u = 0.5. */
@@ -420,10 +420,10 @@ static void cut_out_leaf_casts_what_is_left(void **state) {
   scene s = {0};
   add_quad(&s, ground, nowhere);
   scene_material material = {.alpha_tested = true};
-  material.opacity = (scene_opacity){.alpha = malloc(4 * 4), .width = 4, .height = 4, .factor = 1.0, .cutoff = 0.5};
-  material.opacity.wrap[0] = material.opacity.wrap[1] = SCENE_WRAP_CLAMP;
+  material.alpha_mask = (scene_alpha_mask){.alpha = malloc(4 * 4), .width = 4, .height = 4, .factor = 1.0, .cutoff = 0.5};
+  material.alpha_mask.wrap[0] = material.alpha_mask.wrap[1] = SCENE_WRAP_CLAMP;
   for (int i = 0; i < 16; i++)
-    material.opacity.alpha[i] = i % 4 < 2 ? 255 : 0;
+    material.alpha_mask.alpha[i] = i % 4 < 2 ? 255 : 0;
   scene_mesh *mesh = add_triangles(&s, leaf, 2, nowhere);
   mesh->material = scene_add_material(&s, &material);
   mesh->uvs = malloc(sizeof uvs);
@@ -558,7 +558,7 @@ int main(void) {
       cmocka_unit_test(brute_force_measures_alike),
       cmocka_unit_test(surface_does_not_shadow_itself),
       cmocka_unit_test(mirrored_instances_face_right),
-      cmocka_unit_test(opacity_is_bilinear_and_wraps),
+      cmocka_unit_test(alpha_mask_is_bilinear_and_wraps),
       cmocka_unit_test(cut_out_leaf_casts_what_is_left),
       cmocka_unit_test(second_camera_sees_past_nothing),
       cmocka_unit_test(store_finds_what_it_kept),

@@ -33,7 +33,7 @@ extern "C" {
 typedef struct csm_context csm_context;   /* a device, with geometry and programs on it */
 typedef struct csm_cascades csm_cascades; /* one light seen from one camera: settings, maps, history */
 typedef uint64_t csm_mesh;                /* a mesh of one context; 0 is none */
-typedef uint64_t csm_opacity;             /* an opacity texture of one context; 0 is none */
+typedef uint64_t csm_alpha_mask;          /* an alpha mask of one context; 0 is none */
 
 struct csm_vulkan_device; /* csm_vulkan.h */
 struct csm_vulkan_mesh;
@@ -162,7 +162,7 @@ CSM_API csm_result CSM_CALL csm_retire(csm_context *context, uint64_t frame);
 enum { CSM_WRAP_REPEAT = 0, CSM_WRAP_CLAMP = 1, CSM_WRAP_MIRROR = 2 };
 
 /* Where an alpha-tested mesh is: sampled bilinearly, at full resolution, whatever the distance. */
-typedef struct csm_opacity_info {
+typedef struct csm_alpha_mask_info {
   uint32_t struct_size;
   uint32_t flags;          /* 0 */
   uint32_t width, height;  /* in texels: 1 to 16384, and what the device can do */
@@ -172,29 +172,29 @@ typedef struct csm_opacity_info {
   uint32_t row_stride;     /* bytes from one row to the next; 0 means width */
   uint32_t reserved;       /* 0 */
   const char *name;        /* for debuggers; may be NULL */
-} csm_opacity_info;
+} csm_alpha_mask_info;
 
 /*
- * Copies an opacity texture into the context. It is uploaded by the next frame that is recorded.
+ * Copies an alpha mask into the context. It is uploaded by the next frame that is recorded.
  * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (size, wrap, row_stride, flags), LIMIT_EXCEEDED, OUT_OF_MEMORY,
- * OUT_OF_DEVICE_MEMORY, DEVICE_LOST. *opacity is 0 after an error. [render-thread]
+ * OUT_OF_DEVICE_MEMORY, DEVICE_LOST. *alpha mask is 0 after an error. [render-thread]
  */
-CSM_API csm_result CSM_CALL csm_opacity_create(csm_context *context, const csm_opacity_info *info,
-                                               csm_opacity *opacity);
+CSM_API csm_result CSM_CALL csm_alpha_mask_create(csm_context *context, const csm_alpha_mask_info *info,
+                                                  csm_alpha_mask *alpha_mask);
 
 /*
- * Frees an opacity texture once no frame in flight uses it. Errors: NULL_POINTER, INVALID_HANDLE, INVALID_STATE (a mesh
+ * Frees an alpha mask once no frame in flight uses it. Errors: NULL_POINTER, INVALID_HANDLE, INVALID_STATE (a mesh
  * uses it still), DEVICE_LOST. [render-thread]
  */
-CSM_API csm_result CSM_CALL csm_opacity_destroy(csm_context *context, csm_opacity opacity);
+CSM_API csm_result CSM_CALL csm_alpha_mask_destroy(csm_context *context, csm_alpha_mask alpha_mask);
 
 enum {
-  CSM_MESH_TWO_SIDED = 1u << 0, /* casts from both sides, whatever csm_config.cull_mode says: leaves, cloth */
+  CSM_MESH_TWO_SIDED = 1u << 0, /* casts from both sides, whatever csm_config.face_culling says: leaves, cloth */
   /* It has an inside: every edge joins two faces, counter-clockwise seen from outside. The faces turned away from the
-     light are then behind others, and are not drawn with cull_mode none: the maps are the same, and cost less. */
-  CSM_MESH_CLOSED = 1u << 1
+     light are then behind others, and are not drawn with face_culling none: the maps are the same, and cost less. */
+  CSM_MESH_WATERTIGHT = 1u << 1
 };
-enum { CSM_CASTERS_MAP = 0, CSM_CASTERS_VIEW = 1 };
+enum { CSM_CASTER_SET_MAP = 0, CSM_CASTER_SET_VIEW = 1 };
 
 struct csm_mesh_info {
   uint32_t struct_size;
@@ -211,9 +211,9 @@ struct csm_mesh_info {
   const struct csm_vulkan_mesh *vulkan;
   const struct csm_d3d12_mesh *d3d12;
   float bounds_min[3], bounds_max[3]; /* object space, metres; read only for an engine's buffers */
-  /* An alpha-tested mesh: it is there where its opacity is at least the cutoff. 0: opaque everywhere. Faces are
+  /* An alpha-tested mesh: it is there where its alpha mask is at least the cutoff. 0: opaque everywhere. Faces are
      counter-clockwise seen from outside. */
-  csm_opacity opacity;
+  csm_alpha_mask alpha_mask;
   const void *uvs;    /* vertex_count times two floats, v = 0 at the texture's first row; NULL in an engine's buffers,
                          which say where theirs are */
   uint32_t uv_stride; /* bytes from one to the next, a multiple of 4; 0 means 8 */
@@ -224,8 +224,8 @@ struct csm_mesh_info {
  * Copies a triangle mesh into the context, or takes in an engine's own buffers, which must stay as they are until the
  * mesh is destroyed and its last frame retired. A copied one is uploaded by the next frame that is recorded.
  * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (counts, stride, index_size, flags), INVALID_INDEX (an index not
- * below vertex_count), INVALID_HANDLE (opacity), NOT_FINITE (a position, the bounds), UNSUPPORTED (buffers of the other
- * API), LIMIT_EXCEEDED (memory; more than 32 pairs of strides of vertices and uvs), OUT_OF_MEMORY,
+ * below vertex_count), INVALID_HANDLE (alpha mask), NOT_FINITE (a position, the bounds), UNSUPPORTED (buffers of the
+ * other API), LIMIT_EXCEEDED (memory; more than 32 pairs of strides of vertices and uvs), OUT_OF_MEMORY,
  * OUT_OF_DEVICE_MEMORY, DEVICE_LOST. *mesh is 0 after an error. [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_mesh_create(csm_context *context, const csm_mesh_info *info, csm_mesh *mesh);
@@ -243,7 +243,7 @@ enum {
   CSM_SPLIT_MANUAL = 1,    /* by split_distances */
   CSM_SPLIT_UNIFORM = 2,
   CSM_SPLIT_LOGARITHMIC = 3,
-  CSM_SPLIT_SHARES = 4 /* by split_distances, as shares of the way from the near plane to the end of shadows */
+  CSM_SPLIT_FRACTIONS = 4 /* by split_distances, as shares of the way from the near plane to the end of shadows */
 };
 enum {
   CSM_FILTER_PCF_2X2 = 0,      /* one bilinear comparison */
@@ -274,75 +274,92 @@ enum {
   CSM_DEPTH_SCENE = 2,        /* the bounding box of all instances */
   CSM_DEPTH_SCENE_CLIPPED = 3 /* what of that box lies over the map */
 };
-enum { CSM_CASTER_CLAMP = 0, CSM_CASTER_CLIP = 1 };
+enum { CSM_PANCAKING_CLAMP = 0, CSM_PANCAKING_CLIP = 1 };
 enum { CSM_SNAP_ROUND = 0, CSM_SNAP_FLOOR = 1, CSM_SNAP_OFF = 2 };
-enum { CSM_ROLL_FIXED = 0, CSM_ROLL_CARRIED = 1 };
-enum { CSM_SAMPLES_OFF = 0, CSM_SAMPLES_SPLITS = 1, CSM_SAMPLES_BOUNDS = 2 };
+enum { CSM_LIGHT_ROLL_FIXED = 0, CSM_LIGHT_ROLL_CARRIED = 1 };
+enum { CSM_DEPTH_SAMPLES_OFF = 0, CSM_DEPTH_SAMPLES_SPLITS = 1, CSM_DEPTH_SAMPLES_BOUNDS = 2 };
 enum { CSM_SELECT_INTERVAL = 0, CSM_SELECT_MAP = 1, CSM_SELECT_BEST = 2 };
-enum { CSM_BEYOND_LIT = 0, CSM_BEYOND_DARK = 1, CSM_BEYOND_FADED = 2 };
+enum { CSM_OUT_OF_RANGE_LIT = 0, CSM_OUT_OF_RANGE_DARK = 1, CSM_OUT_OF_RANGE_FADED = 2 };
 enum { CSM_BLEND_OFF = 0, CSM_BLEND_LINEAR = 1, CSM_BLEND_DITHERED = 2 };
-enum { CSM_CULL_NONE = 0, CSM_CULL_FRONT = 1, CSM_CULL_BACK = 2 };
+enum { CSM_FACE_CULLING_NONE = 0, CSM_FACE_CULLING_FRONT = 1, CSM_FACE_CULLING_BACK = 2 };
 enum { CSM_LAYOUT_ARRAY = 0, CSM_LAYOUT_ATLAS = 1 };
 enum { CSM_MAP_D32 = 0, CSM_MAP_D16 = 1 };
 
-/* A configuration of cascades. csm_config_describe gives the unit, range and default of every field. */
+/*
+ * A configuration of cascades, field by field in themes. csm_config_describe gives the unit, range and default of every
+ * field. A zero is a literal zero: start from csm_config_default or csm_config_preset.
+ */
 typedef struct csm_config {
   uint32_t struct_size;
-  uint32_t cascade_count; /* 1 to 8 */
-  uint32_t resolution;    /* of every map, in texels a side; 16 to 16384, and what the device can do */
+
+  /* Splits: where the cascades end. */
+  uint32_t cascade_count; /* 1 to CSM_MAX_CASCADES */
   uint32_t split_mode;    /* CSM_SPLIT_* */
-  uint32_t filter;        /* CSM_FILTER_* */
-  uint32_t bias_mode;     /* CSM_BIAS_*: one depth for the whole filter, or the receiver's plane under it */
+  uint32_t depth_samples; /* CSM_DEPTH_SAMPLES_*: what is fitted to the depths that a view saw (SDSM) */
   double shadow_distance; /* view depth at which shadows end, in metres */
   double split_lambda;    /* practical splits: 0 uniform, 1 logarithmic */
-  double split_distances[CSM_MAX_CASCADES]; /* manual splits: where each cascade ends, as view depth in metres, rising;
-                                               unused entries are 0. The last one ends the shadows, unless
-                                               shadow_distance ends them before */
-  double caster_distance;      /* how far before a slice, towards the light, a caster's depth is kept, in metres;
-                                  nearer ones are clamped to the near plane, and still cast */
-  double bias_constant_texels; /* depth bias towards the light, in texels' widths */
-  double bias_slope_texels;    /* CSM_BIAS_SLOPE: depth bias for each unit of the receiver's slope to the light */
-  double bias_slope_max;       /* slope (tangent) at which that stops growing */
-  double bias_normal_texels;   /* offset of the receiver along its normal, in texels' widths */
+  double split_near;      /* view depth in metres from which splits are spread; 0: the near plane */
+  double split_distances[CSM_MAX_CASCADES]; /* where each cascade ends, rising; unused entries are 0. Manual splits:
+                                               view depth in metres. Fractions: of the way from the near plane to
+                                               shadow_distance. */
+  double depth_samples_margin;              /* room around what a view saw, as a share of it */
 
-  /* From here on 0 is what was before there were these fields. */
-  uint32_t fit_mode;            /* CSM_FIT_*: what of light space a map covers */
-  uint32_t depth_mode;          /* CSM_DEPTH_*: from where to where along the light */
-  uint32_t caster_clip;         /* CSM_CASTER_*: what becomes of casters before a map's near plane */
-  uint32_t snap_mode;           /* CSM_SNAP_*: how a map's place is brought to the grid of its texels */
-  uint32_t snap_power;          /* that grid is 2^snap_power texels wide; 0 to 4 */
-  uint32_t roll_mode;           /* CSM_ROLL_*: how maps are turned about the light */
-  uint32_t sample_distribution; /* CSM_SAMPLES_*: what is fitted to the depths that the camera sees */
-  uint32_t selection;           /* CSM_SELECT_*: which cascade a point takes */
-  uint32_t beyond;              /* CSM_BEYOND_*: what lies past the last one */
-  uint32_t blend_mode;          /* CSM_BLEND_*: at a cascade's end */
-  uint32_t filter_taps;         /* PCF_N: taps a side, odd, 3 to 31; VOGEL: points, 1 to 64 */
-  uint32_t filter_weights;      /* CSM_WEIGHTS_*: of the taps of PCF_3X3 to PCF_N */
-  uint32_t filter_early_out;    /* PCF_5X5 to PCF_N: 1 looks at corners and middle first, and leaves it there if these
-                                   agree */
-  uint32_t normal_offset_mode;  /* CSM_NORMAL_OFFSET_*: what bias_normal_texels is multiplied with */
-  uint32_t cull_mode;           /* CSM_CULL_*: faces of casters that are left out; meshes that say they are two-sided
-                                   keep theirs */
-  uint32_t map_layout;          /* CSM_LAYOUT_*: a layer for each cascade, or one image for all */
-  uint32_t map_format;          /* CSM_MAP_* */
-  uint32_t map_reversed;        /* 1: depth 1 is nearest to the light */
+  /* Fit: what of light space a map covers. */
+  uint32_t fit_mode; /* CSM_FIT_* */
+
+  /* Depth: from where to where a map reaches along the light. */
+  uint32_t depth_mode;    /* CSM_DEPTH_* */
+  double caster_distance; /* how far before a slice, towards the light, a caster's depth is kept, in metres */
+  uint32_t pancaking;     /* CSM_PANCAKING_*: what becomes of casters before a map's near plane */
+
+  /* Stability: what keeps a map from swimming. */
+  uint32_t snap_mode;       /* CSM_SNAP_*: how a map's place is brought to the grid of its texels */
+  uint32_t snap_power;      /* the grid is 2^snap_power texels wide; 0 to 4 */
+  uint32_t light_roll;      /* CSM_LIGHT_ROLL_*: how maps are turned about the light */
+  double light_step_texels; /* the light moves in steps, each of which shifts what lies a map's width away by so
+                               many texels; 0: it moves freely */
+
+  /* Selection: which cascade a point takes, and what lies at its end. */
+  uint32_t selection;    /* CSM_SELECT_* */
+  uint32_t blend_mode;   /* CSM_BLEND_* */
+  double blend_share;    /* length of the band that blends, as a share of a cascade */
+  double fade_share;     /* CSM_OUT_OF_RANGE_FADED: length of the fade, as a share of the shadow distance */
+  uint32_t out_of_range; /* CSM_OUT_OF_RANGE_*: what lies past the last cascade */
+
+  /* Filter: how a map is read. */
+  uint32_t filter;             /* CSM_FILTER_* */
+  uint32_t filter_taps;        /* PCF_N: taps a side, odd, 3 to 31; VOGEL: points, 1 to 64 */
+  uint32_t filter_weights;     /* CSM_WEIGHTS_*: of the taps of PCF_3X3 to PCF_N */
+  uint32_t filter_early_out;   /* PCF_5X5 to PCF_N: 1 reads corners and middle first, and stops where they agree */
+  uint32_t reserved;           /* 0 */
+  double filter_radius_texels; /* POISSON, VOGEL: of their disc */
+
+  /* Bias: what keeps a surface from shadowing itself. */
+  uint32_t bias_mode;             /* CSM_BIAS_*: one depth for the whole filter, or the receiver's plane under it */
+  uint32_t normal_offset_mode;    /* CSM_NORMAL_OFFSET_*: what bias_normal_texels is multiplied with */
+  double bias_constant_texels;    /* depth bias towards the light, in texels' widths */
+  double bias_slope_texels;       /* depth bias for each unit of the receiver's slope to the light */
+  double bias_slope_max;          /* slope (tangent) at which that stops growing */
+  double bias_normal_texels;      /* offset of the receiver along its normal, in texels' widths */
+  double bias_constant_range;     /* depth bias as a share of the map's depth range */
+  double bias_constant_m;         /* depth bias in metres */
+  double bias_slope_range;        /* for each unit of slope, as a share of the depth range */
+  double bias_limit_range;        /* the most that all slope bias may be, as a share of the depth range; 0: no limit */
+  double polygon_offset_constant; /* the rasteriser's constant depth bias, in its own units for the format */
+  double polygon_offset_slope;    /* its slope-scaled bias */
+  double polygon_offset_clamp;    /* the most that these may be, in depth; 0: no limit */
+
+  /* Maps. */
+  uint32_t resolution;                    /* texels a side; 16 to 16384, and what the device can do */
   uint32_t resolutions[CSM_MAX_CASCADES]; /* of single cascades; 0: `resolution` */
-  uint32_t caster_culling;                /* CSM_CASTERS_*: what is drawn into a map */
-  uint32_t reserved;                      /* 0 */
-  double split_near;                      /* view depth in metres from which splits are spread; 0: the near plane */
-  double filter_radius_texels;            /* POISSON, VOGEL: of their disc */
-  double light_step_texels;    /* the light that maps are drawn with moves in steps: a step shifts what lies a map's
-                                  width away by so many texels; 0: it moves freely */
-  double sample_margin;        /* room around what the camera sees, as a share of it */
-  double blend_share;          /* length of the band that blends, as a share of a cascade */
-  double fade_share;           /* CSM_BEYOND_FADED: length over which shadows fade, as a share of the distance */
-  double bias_constant_range;  /* depth bias as a share of the map's depth range */
-  double bias_constant_m;      /* depth bias in metres */
-  double bias_slope_range;     /* for each unit of slope, as a share of the depth range */
-  double bias_limit_range;     /* the most that all slope bias may be, as a share of the depth range; 0: no limit */
-  double bias_raster_constant; /* the rasteriser's constant depth bias, in its own units for the format */
-  double bias_raster_slope;    /* its slope-scaled bias */
-  double bias_raster_clamp;    /* the most that these may be, in depth; 0: no limit */
+  uint32_t map_layout;                    /* CSM_LAYOUT_*: a layer for each cascade, or one image for all */
+  uint32_t map_format;                    /* CSM_MAP_* */
+  uint32_t map_reversed;                  /* 1: depth 1 is nearest to the light */
+
+  /* Casters. */
+  uint32_t caster_set;   /* CSM_CASTER_SET_*: what is drawn into a map */
+  uint32_t face_culling; /* CSM_FACE_CULLING_*: faces of casters that are left out; two-sided meshes keep
+                            theirs */
 } csm_config;
 
 enum { CSM_FIELD_UINT = 0, CSM_FIELD_DOUBLE = 1, CSM_FIELD_ENUM = 2, CSM_FIELD_DOUBLES = 3, CSM_FIELD_UINTS = 4 };

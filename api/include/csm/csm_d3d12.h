@@ -43,7 +43,7 @@ typedef struct csm_d3d12_mesh {
   uint64_t vertex_offset; /* of the first position: three floats */
   void *indices;          /* ID3D12Resource* */
   uint64_t index_offset;
-  uint64_t uv_offset; /* of the first pair of floats, in `vertices`; read only for a mesh with an opacity */
+  uint64_t uv_offset; /* of the first pair of floats, in `vertices`; read only for a mesh with an alpha mask */
   uint32_t uv_stride; /* bytes, a multiple of 4, at least 8 */
   uint32_t reserved;  /* 0 */
 } csm_d3d12_mesh;

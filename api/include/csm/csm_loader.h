@@ -31,8 +31,8 @@
   F(csm_result, retire, (csm_context * context, uint64_t frame))                                                       \
   F(csm_result, mesh_create, (csm_context * context, const csm_mesh_info *info, csm_mesh *mesh))                       \
   F(csm_result, mesh_destroy, (csm_context * context, csm_mesh mesh))                                                  \
-  F(csm_result, opacity_create, (csm_context * context, const csm_opacity_info *info, csm_opacity *opacity))           \
-  F(csm_result, opacity_destroy, (csm_context * context, csm_opacity opacity))                                         \
+  F(csm_result, alpha_mask_create, (csm_context * context, const csm_alpha_mask_info *info, csm_alpha_mask *alpha_mask))           \
+  F(csm_result, alpha_mask_destroy, (csm_context * context, csm_alpha_mask alpha_mask))                                         \
   F(csm_result, config_describe, (uint32_t index, csm_config_field * field))                                           \
   F(csm_result, config_default, (csm_config * config))                                                                 \
   F(csm_result, cascades_create, (csm_context * context, const csm_config *config, csm_cascades **cascades))           \

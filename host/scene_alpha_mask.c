@@ -1,4 +1,4 @@
-/* scene_opacity.c: where an alpha-tested surface is. */
+/* scene_alpha_mask.c: where an alpha-tested surface is. */
 #include "scene.h"
 #include <math.h>
 #include <stddef.h>
@@ -11,12 +11,12 @@ static uint32_t wrap(double texel, uint32_t size, scene_wrap mode) {
   return (uint32_t)(within < size ? within : period - 1.0 - within);
 }
 
-static double texel_at(const scene_opacity *o, double x, double y) {
+static double texel_at(const scene_alpha_mask *o, double x, double y) {
   const uint32_t column = wrap(x, o->width, o->wrap[0]), row = wrap(y, o->height, o->wrap[1]);
   return o->alpha[(size_t)row * o->width + column] / 255.0;
 }
 
-double scene_opacity_at(const scene_opacity *o, const double uv[2]) {
+double scene_alpha_mask_at(const scene_alpha_mask *o, const double uv[2]) {
   const double x = uv[0] * o->width - 0.5, y = uv[1] * o->height - 0.5;
   const double left = floor(x), top = floor(y), right_share = x - left, low_share = y - top;
   const double upper = (1.0 - right_share) * texel_at(o, left, top) + right_share * texel_at(o, left + 1.0, top);
@@ -25,8 +25,8 @@ double scene_opacity_at(const scene_opacity *o, const double uv[2]) {
   return o->factor * ((1.0 - low_share) * upper + low_share * lower);
 }
 
-const scene_opacity *scene_cut_out(const scene *s, const scene_mesh *mesh) {
+const scene_alpha_mask *scene_cut_out(const scene *s, const scene_mesh *mesh) {
   const scene_material *material = &s->materials[mesh->material];
-  const bool cut = material->alpha_tested && material->opacity.alpha && mesh->uvs && material->opacity.cutoff > 0.0;
-  return cut ? &material->opacity : NULL;
+  const bool cut = material->alpha_tested && material->alpha_mask.alpha && mesh->uvs && material->alpha_mask.cutoff > 0.0;
+  return cut ? &material->alpha_mask : NULL;
 }

@@ -1,4 +1,4 @@
-/* opacity.c: alpha-tested casters are where bilinear opacity, computed here in doubles, says that they are. */
+/* alpha_mask.c: alpha-tested casters are where bilinear alpha mask, computed here in doubles, says that they are. */
 #include "support.h"
 
 #include <math.h>
@@ -19,12 +19,12 @@ typedef struct fixture {
   csm_cascades *cascades;
   csm_config config;
   unsigned char texels[texels_v][8]; /* rows with a gap */
-  csm_opacity opacity;
+  csm_alpha_mask alpha_mask;
   csm_mesh leaf, ground;
 } fixture;
 
-static csm_opacity_info opacity_info(fixture *f, uint32_t wrap_u, uint32_t wrap_v) {
-  return (csm_opacity_info){.struct_size = sizeof(csm_opacity_info),
+static csm_alpha_mask_info alpha_mask_info(fixture *f, uint32_t wrap_u, uint32_t wrap_v) {
+  return (csm_alpha_mask_info){.struct_size = sizeof(csm_alpha_mask_info),
                             .width = texels_u,
                             .height = texels_v,
                             .wrap_u = wrap_u,
@@ -40,7 +40,7 @@ static csm_mesh_info leaf_info(const fixture *f, float cutoff) {
                          .indices = indices,
                          .index_count = 6,
                          .index_size = 2,
-                         .opacity = f->opacity,
+                         .alpha_mask = f->alpha_mask,
                          .uvs = uvs,
                          .uv_stride = sizeof uvs[0],
                          .alpha_cutoff = cutoff};
@@ -54,8 +54,8 @@ static void open_fixture(fixture *f, uint32_t wrap_u, uint32_t wrap_v, float cut
   for (int v = 0; v < texels_v; ++v)
     for (int u = 0; u < 8; ++u)
       f->texels[v][u] = (unsigned char)((u * 89 + v * 151 + u * v * 37) % 256);
-  const csm_opacity_info info = opacity_info(f, wrap_u, wrap_v);
-  assert_int_equal(csm_opacity_create(f->context, &info, &f->opacity), CSM_SUCCESS);
+  const csm_alpha_mask_info info = alpha_mask_info(f, wrap_u, wrap_v);
+  assert_int_equal(csm_alpha_mask_create(f->context, &info, &f->alpha_mask), CSM_SUCCESS);
   const csm_mesh_info leaf = leaf_info(f, cutoff);
   assert_int_equal(csm_mesh_create(f->context, &leaf, &f->leaf), CSM_SUCCESS);
   f->ground = support_square(f->context);
@@ -86,7 +86,7 @@ static int wrapped(int index, int size, uint32_t mode) {
   return mode == CSM_WRAP_MIRROR && inside >= size ? 2 * size - 1 - inside : inside;
 }
 
-static double opacity_at(const fixture *f, double u, double v, uint32_t wrap_u, uint32_t wrap_v) {
+static double alpha_mask_at(const fixture *f, double u, double v, uint32_t wrap_u, uint32_t wrap_v) {
   const double x = u * texels_u - 0.5, y = v * texels_v - 0.5;
   double sum = 0;
   for (int j = 0; j < 2; ++j)
@@ -117,7 +117,7 @@ static void check_map(const fixture *f, const float *map, uint32_t wrap_u, uint3
       const double s = (px + 4) / 8, t = (pz + 4) / 8;
       if (s < 0.01 || s > 0.99 || t < 0.01 || t > 0.99)
         continue;
-      const double alpha = opacity_at(f, -1.25 + 3.75 * s, -0.5 + 2.25 * t, wrap_u, wrap_v);
+      const double alpha = alpha_mask_at(f, -1.25 + 3.75 * s, -0.5 + 2.25 * t, wrap_u, wrap_v);
       if (fabs(alpha - cutoff) < margin_permille * 1e-3)
         continue;
       const double depth = m[2] * px + m[6] * 3 + m[10] * pz + m[14];
@@ -166,7 +166,7 @@ static void the_camera_sees_through(void **state) {
       support_apply(frame.view, point, local);
       const double w = support_apply(frame.projection, local, clip);
       const int x = (int)floor((clip[0] / w + 1) / 2 * side), y = (int)floor((1 - clip[1] / w) / 2 * side);
-      const double alpha = opacity_at(&f, -1.25 + 3.75 * (point[0] + 4) / 8, -0.5 + 2.25 * (point[2] + 4) / 8,
+      const double alpha = alpha_mask_at(&f, -1.25 + 3.75 * (point[0] + 4) / 8, -0.5 + 2.25 * (point[2] + 4) / 8,
                                       CSM_WRAP_REPEAT, CSM_WRAP_MIRROR);
       /* A point is up to a pixel from the centre that was sampled: look away from edges. */
       if (fabs(alpha - 0.5) < 0.25 || x < 0 || y < 0 || x >= side || y >= side)
@@ -193,25 +193,25 @@ static void misuse_is_named(void **state) {
   fixture f;
   open_fixture(&f, 0, 0, 0.5f);
   f.record.quiet = true;
-  csm_opacity opacity = 1;
-  csm_opacity_info info = opacity_info(&f, 0, 0);
-  assert_int_equal(csm_opacity_create(NULL, &info, &opacity), CSM_ERROR_NULL_POINTER);
-  assert_int_equal(csm_opacity_destroy(NULL, 1), CSM_ERROR_NULL_POINTER);
-  expect(&f, csm_opacity_create(f.context, NULL, &opacity), CSM_ERROR_NULL_POINTER);
-  expect(&f, csm_opacity_create(f.context, &info, NULL), CSM_ERROR_NULL_POINTER);
+  csm_alpha_mask alpha_mask = 1;
+  csm_alpha_mask_info info = alpha_mask_info(&f, 0, 0);
+  assert_int_equal(csm_alpha_mask_create(NULL, &info, &alpha_mask), CSM_ERROR_NULL_POINTER);
+  assert_int_equal(csm_alpha_mask_destroy(NULL, 1), CSM_ERROR_NULL_POINTER);
+  expect(&f, csm_alpha_mask_create(f.context, NULL, &alpha_mask), CSM_ERROR_NULL_POINTER);
+  expect(&f, csm_alpha_mask_create(f.context, &info, NULL), CSM_ERROR_NULL_POINTER);
   info.texels = NULL;
-  expect(&f, csm_opacity_create(f.context, &info, &opacity), CSM_ERROR_NULL_POINTER);
-  assert_true(opacity == 0);
-  info = opacity_info(&f, 3, 0);
-  expect(&f, csm_opacity_create(f.context, &info, &opacity), CSM_ERROR_INVALID_VALUE);
-  info = opacity_info(&f, 0, 0), info.width = 0;
-  expect(&f, csm_opacity_create(f.context, &info, &opacity), CSM_ERROR_INVALID_VALUE);
-  info = opacity_info(&f, 0, 0), info.row_stride = 3;
-  expect(&f, csm_opacity_create(f.context, &info, &opacity), CSM_ERROR_INVALID_VALUE);
-  info = opacity_info(&f, 0, 0), info.struct_size = 0;
-  expect(&f, csm_opacity_create(f.context, &info, &opacity), CSM_ERROR_STRUCT_SIZE);
-  expect(&f, csm_opacity_destroy(f.context, 77), CSM_ERROR_INVALID_HANDLE);
-  expect(&f, csm_opacity_destroy(f.context, f.opacity), CSM_ERROR_INVALID_STATE);
+  expect(&f, csm_alpha_mask_create(f.context, &info, &alpha_mask), CSM_ERROR_NULL_POINTER);
+  assert_true(alpha_mask == 0);
+  info = alpha_mask_info(&f, 3, 0);
+  expect(&f, csm_alpha_mask_create(f.context, &info, &alpha_mask), CSM_ERROR_INVALID_VALUE);
+  info = alpha_mask_info(&f, 0, 0), info.width = 0;
+  expect(&f, csm_alpha_mask_create(f.context, &info, &alpha_mask), CSM_ERROR_INVALID_VALUE);
+  info = alpha_mask_info(&f, 0, 0), info.row_stride = 3;
+  expect(&f, csm_alpha_mask_create(f.context, &info, &alpha_mask), CSM_ERROR_INVALID_VALUE);
+  info = alpha_mask_info(&f, 0, 0), info.struct_size = 0;
+  expect(&f, csm_alpha_mask_create(f.context, &info, &alpha_mask), CSM_ERROR_STRUCT_SIZE);
+  expect(&f, csm_alpha_mask_destroy(f.context, 77), CSM_ERROR_INVALID_HANDLE);
+  expect(&f, csm_alpha_mask_destroy(f.context, f.alpha_mask), CSM_ERROR_INVALID_STATE);
 
   csm_mesh mesh;
   csm_mesh_info leaf = leaf_info(&f, 0);
@@ -222,14 +222,14 @@ static void misuse_is_named(void **state) {
   expect(&f, csm_mesh_create(f.context, &leaf, &mesh), CSM_ERROR_NULL_POINTER);
   leaf = leaf_info(&f, 0.5f), leaf.uv_stride = 4;
   expect(&f, csm_mesh_create(f.context, &leaf, &mesh), CSM_ERROR_INVALID_VALUE);
-  leaf = leaf_info(&f, 0.5f), leaf.opacity ^= 1ull << 33;
+  leaf = leaf_info(&f, 0.5f), leaf.alpha_mask ^= 1ull << 33;
   expect(&f, csm_mesh_create(f.context, &leaf, &mesh), CSM_ERROR_INVALID_HANDLE);
 
-  expect(&f, csm_mesh_destroy(f.context, f.opacity), CSM_ERROR_INVALID_HANDLE); /* of the other kind */
-  expect(&f, csm_opacity_destroy(f.context, f.leaf), CSM_ERROR_INVALID_HANDLE);
+  expect(&f, csm_mesh_destroy(f.context, f.alpha_mask), CSM_ERROR_INVALID_HANDLE); /* of the other kind */
+  expect(&f, csm_alpha_mask_destroy(f.context, f.leaf), CSM_ERROR_INVALID_HANDLE);
   assert_int_equal(csm_mesh_destroy(f.context, f.leaf), CSM_SUCCESS);
-  assert_int_equal(csm_opacity_destroy(f.context, f.opacity), CSM_SUCCESS);
-  expect(&f, csm_opacity_destroy(f.context, f.opacity), CSM_ERROR_INVALID_HANDLE);
+  assert_int_equal(csm_alpha_mask_destroy(f.context, f.alpha_mask), CSM_SUCCESS);
+  expect(&f, csm_alpha_mask_destroy(f.context, f.alpha_mask), CSM_ERROR_INVALID_HANDLE);
   support_close(f.context, &f.record);
 }
 
