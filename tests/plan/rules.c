@@ -1,7 +1,6 @@
 /* What csm_config's fields say of each other. */
 #include "support.h"
 
-#include "csm_constants.h"
 #include <stdio.h>
 #include <string.h>
 
@@ -162,8 +161,6 @@ static void single_resolutions_count_where_there_is_a_cascade(void **state) {
 }
 
 /* ---- the tail ---- */
-
-enum { tail = offsetof(csm_config, fit_mode), old_constants = CSM_C_RECTS * 4 };
 
 int main(void) {
   const struct CMUnitTest tests[] = {
