@@ -407,6 +407,9 @@ CSM_API csm_result CSM_CALL csm_cascades_destroy(csm_cascades *cascades);
 
 /* ---- frames ---- */
 
+/* Where clip z is 1: at the far plane, or (yes) at the near one. A perspective projection tells by itself. */
+enum { CSM_REVERSED_BY_MATRIX = 0, CSM_REVERSED_YES = 1, CSM_REVERSED_NO = 2 };
+
 typedef struct csm_instance {
   uint32_t struct_size;
   uint32_t flags; /* 0 */
