@@ -1,7 +1,10 @@
-/* handles.h: handles of the caller's, each a place in a table and the generation of what lies there, so that a handle
-   to what is gone is known for what it is. */
-#ifndef HANDLES_H
-#define HANDLES_H
+/*
+ * handles.h: handles of the caller's. Each is a place in a table, and the generation of what lies there, so that a
+ * handle to what is gone is known for what it is. The table's key scrambles them, so that another table's handle is not
+ * found here.
+ */
+#ifndef SCENE_HANDLES_H
+#define SCENE_HANDLES_H
 
 #include "csm/csm.h"
 #include <stdbool.h>
@@ -14,11 +17,15 @@ typedef struct handle_place {
 /* What the handles stand for lies in arrays of the owner's, by index, of the same capacity. */
 typedef struct handle_table {
   handle_place *places;
+  uint64_t key;  /* handles_key */
   uint32_t kind; /* 0 or 1: handles of one kind mean nothing to a table of the other */
   uint32_t count, capacity, first_free;
 } handle_table;
 
-/* Index of what a handle stands for, or UINT32_MAX. */
+/* A key for the tables of one owner. `clock` differs where owners follow each other at one address. */
+uint64_t handles_key(const void *owner, uint64_t clock);
+
+/* Index of what a handle stands for, or UINT32_MAX. No handle is 0. */
 uint32_t handles_find(const handle_table *table, uint64_t handle);
 bool handles_live(const handle_table *table, uint32_t index);
 uint64_t handles_at(const handle_table *table, uint32_t index);
