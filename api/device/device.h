@@ -1,15 +1,16 @@
 /*
- * device.h: one opened backend with everything that lies on it. A context has one, and for a while those that it was
- * switched away from. One file for each thing that a device owns: device.c (itself and its programs), memory.c,
- * retire.c, recording.c (slots and the ring, which is memory that changes per frame), geometry.c (meshes in pages).
+ * device.h: an opened backend with everything that lies on it. One file for each thing that a device owns: device.c
+ * (itself), memory.c, retire.c, ring.c (memory that changes per frame), recording.c (frames in flight and their times),
+ * geometry.c (meshes in pages), alpha_images.c, programs.c. It knows nothing of cascades.
  */
 #ifndef DEVICE_H
 #define DEVICE_H
 
-#include "abi/loader.h"
-#include "techniques/passes.h"
+#include "device/host.h"
+#include "device/programs.h"
+#include "gpu_calls.h"
 
-enum { DEVICE_MAX_SLOTS = 8, DEVICE_MAX_TIMINGS = 8, DEVICE_MAX_SHAPES = 32 };
+enum { DEVICE_MAX_SLOTS = 8, DEVICE_MAX_TIMINGS = 16, DEVICE_MAX_SHAPES = 32 };
 
 typedef struct device device;
 
@@ -21,43 +22,51 @@ typedef struct retired {
   void (*destroy)(device *device, struct retired *self);
 } retired;
 
+/* ---- shapes of vertices ---- */
+
+/* What programs that draw a mesh depend on. */
+typedef struct mesh_vertices {
+  uint32_t stride;
+  uint32_t uv_stride; /* 0: opaque */
+} mesh_vertices;
+
+/* Shapes never go, so that an index stays what it is. The first is that of copied opaque meshes. */
+typedef struct device_shapes {
+  uint32_t count;
+  mesh_vertices vertices[DEVICE_MAX_SHAPES];
+} device_shapes;
+
 /* ---- geometry ---- */
 
-/* By mesh slot of the context, as are its bounds. */
+/* Where a mesh lies, by its index in the plan's scene. */
+typedef struct mesh_place {
+  gpu_buffer *vertices, *indices;
+  uint64_t vertex_offset, index_offset;
+  uint32_t index_count, index_size;
+  uint32_t shape;             /* index into device_shapes */
+  bool two_sided, watertight; /* no face of it is culled; its back faces need not be drawn */
+  uint64_t uv_offset;         /* in the vertices' buffer; read only with an alpha mask */
+  gpu_bindings *alpha_mask;   /* of an alpha-tested mesh, else NULL */
+} mesh_place;
+
+/* By the mesh's index. */
 typedef struct geometry {
   struct geometry_page *pages;
   struct geometry_staging *staging; /* newest first */
   struct geometry_upload *uploads;  /* not yet recorded */
   struct geometry_place **places;   /* where each mesh lies; NULL: nowhere */
-  pass_mesh *meshes;                /* as passes want them */
+  mesh_place *meshes;               /* as draws want them */
   uint32_t capacity;
   uint64_t bytes;
 } geometry;
 
-/* Shapes of vertices, and the programs that draw each into a camera's depth. The first is that of copied opaque meshes.
- */
-typedef struct depth_programs {
-  uint32_t count;
-  pass_vertices vertices[DEVICE_MAX_SHAPES];
-  gpu_program *camera[2][DEVICE_MAX_SHAPES]; /* plain, reversed */
-} depth_programs;
-
-/* Programs that draw casters as some cascades' configuration has them drawn. */
-typedef struct caster_programs {
-  retired retired;
-  struct caster_programs *next;
-  uint32_t users;
-  pass_casters casters;
-  gpu_program *programs[3][DEVICE_MAX_SHAPES]; /* by gpu_cull */
-} caster_programs;
-
-/* An alpha mask, by slot of the context. */
-typedef struct alpha_mask_image alpha_mask_image;
-typedef struct alpha_mask_images {
-  alpha_mask_image **images;
+/* Alpha masks on the device, by the mask's index. */
+typedef struct alpha_image alpha_image;
+typedef struct alpha_images {
+  alpha_image **images;
   uint32_t capacity;
   uint32_t due; /* that are not uploaded yet */
-} alpha_mask_images;
+} alpha_images;
 
 /* ---- recordings ---- */
 
@@ -73,11 +82,15 @@ typedef struct ring_buffer {
   uint64_t size, used;
 } ring_buffer;
 
-/* What a recording measured, and for whom. */
+/* Who gets what a recording measured: `count` times in nanoseconds, once its frame is done. */
+typedef struct timing_sink {
+  void (*take)(void *user, const uint64_t *nanoseconds, uint32_t count);
+  void *user; /* NULL: nobody */
+} timing_sink;
+
 typedef struct timing {
-  csm_cascades *cascades;
+  timing_sink sink;
   uint32_t first, count; /* of its timestamps */
-  bool mask;
 } timing;
 
 /* A frame in flight. On an own device every recording is one. */
@@ -97,11 +110,9 @@ typedef struct next_frame {
 } next_frame;
 
 struct device {
-  csm_context *context; /* whose callbacks and errors it uses */
-  device *next;         /* of those switched away from */
-  gpu_host host;        /* what the backend was lent: must not move */
-  loader_library library;
-  pass_gpu gpu;
+  host *host;
+  gpu_host lent; /* what the backend was lent: must not move */
+  gpu gpu;
   gpu_device_info info;
   bool own; /* else an engine's */
   bool lost;
@@ -115,35 +126,31 @@ struct device {
   retired *retired;
 
   geometry geometry;
-  alpha_mask_images alpha_masks;
-  depth_programs programs;
-  caster_programs *casters;
-  gpu_program *mask_programs[MASK_KINDS]; /* by mask_kind_index; NULL until a configuration or a view asks for one */
-  gpu_program *tiles_programs[2];         /* small and large tiles; likewise */
+  alpha_images alpha_images;
+  device_shapes shapes;
+  programs programs;
 };
 
 /* ---- device.c ---- */
 
-/* Opens the backend that `info` names, which is checked; *out is NULL after an error, whose text the context has. */
-csm_result device_open(csm_context *context, const csm_create_info *info, device **out);
+typedef struct device_open_info {
+  host *host;
+  const gpu_backend *backend;
+  const char *device_name; /* as in gpu_open_info, as are the next two */
+  bool validate;
+  const void *native;    /* the engine's device, or NULL */
+  uint64_t memory_limit; /* 0: what the device allows */
+  uint32_t slots;        /* 0: 3 */
+} device_open_info;
+
+/* *out is NULL after an error, whose text the host has. */
+csm_result device_open(const device_open_info *info, device **out);
 /* Destroys everything at once. The GPU must be done with it, or be lost; an own one is waited for. */
 void device_close(device *device);
-/* The index of the programs for vertices, made if they are not there. Errors: those of creation, LIMIT_EXCEEDED. */
-csm_result device_programs(device *device, pass_vertices vertices, uint32_t *index);
-/* Makes the programs that masks of a configuration need, where they are not there. Errors: those of creation. */
-csm_result device_mask_programs(device *device, const csm_config *config);
-/* Likewise the one that draws views of the mask. */
-csm_result device_view_program(device *device);
-
-/* ---- caster_programs.c ---- */
-
-/* The programs for a configuration, made if no cascades have them; to be given back. Errors: those of creation. */
-csm_result caster_programs_take(device *device, const csm_config *config, caster_programs **out);
-/* NULL is allowed. */
-void caster_programs_give_back(device *device, caster_programs *programs);
-csm_result caster_programs_add_shape(device *device, caster_programs *programs, uint32_t shape);
-void caster_programs_remove_shape(device *device, caster_programs *programs, uint32_t shape);
-void caster_programs_destroy(device *device);
+/* host_fail for a backend's result, with what was tried; a lost device is marked. CSM_SUCCESS passes through. */
+csm_result device_check(device *device, csm_result result, const char *what);
+/* The index of a shape, added if it is new. Errors: LIMIT_EXCEEDED. */
+csm_result device_shape(device *device, mesh_vertices vertices, uint32_t *index);
 
 /* ---- memory.c ---- */
 
@@ -165,6 +172,16 @@ void retire(device *device, retired *thing, void (*destroy)(struct device *, ret
 /* Destroys what no frame after `done` uses. */
 void retire_collect(device *device);
 
+/* ---- ring.c ---- */
+
+enum { RING_ALIGNMENT = 256 };
+
+/* A piece of a slot's ring. `fresh`: the slot begins a new frame. */
+csm_result ring_reserve(device *device, frame_slot *slot, bool fresh, uint64_t size, ring_range *range);
+/* Bytes of all rings. */
+uint64_t ring_bytes(const device *device);
+void ring_destroy(device *device);
+
 /* ---- recording.c ---- */
 
 /*
@@ -175,39 +192,22 @@ csm_result recording_prepare(device *device, uint64_t frame, uint64_t ring_size,
 /* Begins the prepared recording, with the uploads that are due. `native` is the engine's command buffer. */
 csm_result recording_begin(device *device, void *native);
 csm_result recording_end(device *device);
-/* Reserves timestamps of the current recording, to be delivered to `cascades`; false if there are no more. */
-bool recording_expect_timing(device *device, csm_cascades *cascades, uint32_t count, bool mask, uint32_t *first);
-/* Nobody is interested in what was measured for these cascades any more. */
-void recording_forget_timing(device *device, const csm_cascades *cascades);
+/* Reserves timestamps of the current recording, from *first on; false if there are no more. */
+bool recording_expect_timing(device *device, const timing_sink *sink, uint32_t count, uint32_t *first);
+/* What was measured for a sink's user goes nowhere. */
+void recording_forget_timing(device *device, const void *user);
 /* Own device: waits until every recording is done, and takes over what they measured. Else does nothing. */
 csm_result recording_finish(device *device);
 /* Engine's device: frames up to `frame` are done. */
 csm_result recording_retire(device *device, uint64_t frame);
-void recording_destroy(device *device);
 
-/* ---- geometry.c ---- */
+/* ---- geometry.c, alpha_images.c: what a recording begins with ---- */
 
-/* Makes room for meshes in `capacity` slots. */
-csm_result geometry_reserve(device *device, uint32_t capacity);
-/* Places a checked mesh in a slot below the capacity: copies it to staging, or takes in an engine's buffers. */
-csm_result geometry_add(device *device, uint32_t slot, const csm_mesh_info *info);
-/* Frees a slot's place once the GPU is done with it. */
-void geometry_remove(device *device, uint32_t slot);
 /* Records the copies of meshes that are not uploaded yet. */
 void geometry_record(device *device);
 void geometry_destroy(device *device);
-
-/* ---- alpha_mask.c ---- */
-
-/* Makes room for textures in `capacity` slots. */
-csm_result alpha_mask_reserve(device *device, uint32_t capacity);
-/* Makes a checked texture in a slot below the capacity; its texels wait in staging. */
-csm_result alpha_mask_add(device *device, uint32_t slot, const csm_alpha_mask_info *info);
-/* Frees it once the GPU is done with it. */
-void alpha_mask_remove(device *device, uint32_t slot);
-gpu_image *alpha_mask_texture(const device *device, uint32_t slot);
-/* Records the copies of textures that are not uploaded yet. */
-void alpha_mask_record(device *device);
-void alpha_mask_destroy(device *device);
+/* Records the copies of alpha masks that are not uploaded yet. */
+void alpha_images_record(device *device);
+void alpha_images_destroy(device *device);
 
 #endif

@@ -1,0 +1,26 @@
+/* geometry.h: meshes on a device: copied ones in pages, and engines' own buffers. Meshes go by their index in the
+   context's table. */
+#ifndef DEVICE_GEOMETRY_H
+#define DEVICE_GEOMETRY_H
+
+#include "device/alpha_images.h"
+#include "device/device.h"
+
+/* What an alpha-tested mesh is cut out with. */
+typedef struct mesh_cut_out {
+  const csm_alpha_mask_info *mask; /* size and wrapping; NULL: the mesh is opaque */
+  uint32_t index;                  /* of the mask's image */
+} mesh_cut_out;
+
+/* Makes room for meshes in `capacity` places. */
+csm_result geometry_reserve(device *device, uint32_t capacity);
+/*
+ * Places a checked mesh below the capacity: copies it to staging, or takes in an engine's buffers. Positions are stored
+ * less `offset`, of three doubles.
+ */
+csm_result geometry_add(device *device, uint32_t index, const csm_mesh_info *info, const double *offset,
+                        const mesh_cut_out *cut_out);
+/* Frees a place once the GPU is done with it. */
+void geometry_remove(device *device, uint32_t index);
+
+#endif
