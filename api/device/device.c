@@ -1,150 +1,80 @@
-#include "abi/context.h"
+#include "device/device.h"
 
-#include <stdio.h>
+#include "device/alpha_images.h"
+#include "device/geometry.h"
 
 enum { default_slots = 3, copied_stride = 12 };
 
-/* An engine's device belongs to one API. */
-static bool wrong_api(const csm_create_info *info, gpu_api api) {
-  return (info->vulkan && api != GPU_API_VULKAN) || (info->d3d12 && api != GPU_API_D3D12);
+csm_result device_check(device *device, csm_result result, const char *what) {
+  if (!result)
+    return CSM_SUCCESS;
+  device->lost |= result == CSM_ERROR_DEVICE_LOST;
+  return host_fail(device->host, result, "%s: %s", what, csm_result_name(result));
+}
+
+csm_result device_shape(device *device, mesh_vertices vertices, uint32_t *index) {
+  device_shapes *shapes = &device->shapes;
+  for (*index = 0; *index < shapes->count; ++*index)
+    if (shapes->vertices[*index].stride == vertices.stride && shapes->vertices[*index].uv_stride == vertices.uv_stride)
+      return CSM_SUCCESS;
+  if (*index == DEVICE_MAX_SHAPES)
+    return host_fail(device->host, CSM_ERROR_LIMIT_EXCEEDED, "meshes have more than %d pairs of strides",
+                     DEVICE_MAX_SHAPES);
+  shapes->vertices[shapes->count++] = vertices;
+  return CSM_SUCCESS;
 }
 
 /* Opening reports its texts into a buffer, not through the log: the caller decides what becomes of them. */
-static csm_result open_backend(device *device, const csm_create_info *info) {
-  char text[sizeof device->context->error] = "";
-  csm_result result = loader_open(&device->library, info->backend, text, sizeof text);
-  if (!result && wrong_api(info, device->library.backend->api)) {
-    snprintf(text, sizeof text, "csm_create_info: the engine's device is not one of backend %s", info->backend);
-    result = CSM_ERROR_UNSUPPORTED;
-  }
-  if (!result) {
-    device->gpu.api = device->library.backend;
-    const gpu_open_info open = {
-        .host = &device->host,
-        .device_name = info->device,
-        .validate = info->flags & CSM_CREATE_VALIDATE,
-        .slots = device->slot_count,
-        .native = info->vulkan ? (const void *)info->vulkan : info->d3d12,
-        .error = text,
-        .error_size = sizeof text,
-    };
-    result = device->gpu.api->open(&open, &device->gpu.device);
-  }
+static csm_result open_backend(device *device, const device_open_info *info) {
+  char text[sizeof device->host->error] = "";
+  const gpu_open_info open = {
+      .host = &device->lent,
+      .device_name = info->device_name,
+      .validate = info->validate,
+      .slots = device->slot_count,
+      .native = info->native,
+      .error = text,
+      .error_size = sizeof text,
+  };
+  const csm_result result = info->backend->open(&open, &device->gpu.device);
   if (result)
-    return context_fail(device->context, result, "%s", text[0] ? text : csm_result_name(result));
-  device->gpu.api->describe(device->gpu.device, &device->info);
+    return host_fail(device->host, result, "%s", text[0] ? text : csm_result_name(result));
+  device->gpu.api = info->backend;
+  gpu_describe(device->gpu, &device->info);
   return CSM_SUCCESS;
 }
 
-static void programs_free(device *device, uint32_t index) {
-  const pass_gpu gpu = device->gpu;
-  for (int reversed = 0; reversed < 2; ++reversed) {
-    gpu.api->program_destroy(gpu.device, device->programs.camera[reversed][index]);
-    device->programs.camera[reversed][index] = NULL;
-  }
-  for (caster_programs *casters = device->casters; casters; casters = casters->next)
-    caster_programs_remove_shape(device, casters, index);
-}
-
-csm_result device_programs(device *device, pass_vertices vertices, uint32_t *index) {
-  depth_programs *programs = &device->programs;
-  for (*index = 0; *index < programs->count; ++*index)
-    if (programs->vertices[*index].stride == vertices.stride &&
-        programs->vertices[*index].uv_stride == vertices.uv_stride)
-      return CSM_SUCCESS;
-  if (*index == DEVICE_MAX_SHAPES)
-    return context_fail(device->context, CSM_ERROR_LIMIT_EXCEEDED, "meshes have more than %d shapes of vertices",
-                        DEVICE_MAX_SHAPES);
-  programs->vertices[*index] = vertices;
-  csm_result result = CSM_SUCCESS;
-  for (int reversed = 0; reversed < 2 && !result; ++reversed)
-    result =
-        device_check(device, camera_depth_program(device->gpu, reversed, vertices, &programs->camera[reversed][*index]),
-                     "a camera depth program");
-  for (caster_programs *casters = device->casters; casters && !result; casters = casters->next)
-    result = caster_programs_add_shape(device, casters, *index);
-  if (result) {
-    programs_free(device, *index);
-    return result;
-  }
-  ++programs->count;
-  return CSM_SUCCESS;
-}
-
-static csm_result make_mask_program(device *device, const mask_kind *kind) {
-  gpu_program **program = &device->mask_programs[mask_kind_index(kind)];
-  if (*program)
-    return CSM_SUCCESS;
-  return device_check(device, mask_program(device->gpu, kind, program), "a mask program");
-}
-
-csm_result device_view_program(device *device) {
-  return make_mask_program(device, &(mask_kind){.view = true});
-}
-
-csm_result device_mask_programs(device *device, const csm_config *config) {
-  csm_result result = CSM_SUCCESS;
-  for (int normals = 0; normals < 2 && !result; ++normals) {
-    const mask_kind kind = mask_kind_of(config, normals);
-    result = make_mask_program(device, &kind);
-  }
-  for (int coarse = 0; coarse < 2 && !result && config->depth_samples != CSM_DEPTH_SAMPLES_OFF; ++coarse)
-    if (!device->tiles_programs[coarse])
-      result = device_check(device, depth_tiles_program(device->gpu, coarse, &device->tiles_programs[coarse]),
-                            "a depth tiles program");
-  return result;
-}
-
-/* Of copied opaque meshes, so that there is always one. */
-static csm_result make_programs(device *device) {
-  uint32_t first;
-  return device_programs(device, (pass_vertices){.stride = copied_stride}, &first);
-}
-
-csm_result device_open(csm_context *context, const csm_create_info *info, device **out) {
+csm_result device_open(const device_open_info *info, device **out) {
+  host *host = info->host;
   *out = NULL;
-  device *fresh = context_allocate(context, sizeof *fresh);
+  device *fresh = host_allocate(host, sizeof *fresh);
   if (!fresh)
     return CSM_ERROR_OUT_OF_MEMORY;
-  fresh->context = context;
-  fresh->host = (gpu_host){
-      .user = context->user, .allocate = context->allocate, .release = context->release, .log = context->log};
-  fresh->own = !info->vulkan && !info->d3d12;
+  fresh->host = host;
+  fresh->lent =
+      (gpu_host){.user = host->user, .allocate = host->allocate, .release = host->release, .log = host->log};
+  fresh->own = !info->native;
   fresh->memory_limit = info->memory_limit;
-  fresh->slot_count = info->frame_slots ? info->frame_slots : default_slots;
-  csm_result result = open_backend(fresh, info);
-  if (!result)
-    result = make_programs(fresh);
+  fresh->slot_count = info->slots ? info->slots : default_slots;
+  fresh->shapes = (device_shapes){.count = 1, .vertices = {{.stride = copied_stride}}};
+  const csm_result result = open_backend(fresh, info);
   if (result) {
-    device_close(fresh);
+    host_release(host, fresh);
     return result;
   }
   *out = fresh;
   return CSM_SUCCESS;
 }
 
-static void destroy_objects(device *device) {
-  const pass_gpu gpu = device->gpu;
+void device_close(device *device) {
   for (uint32_t slot = 0; slot < device->slot_count && device->own; ++slot)
-    gpu.api->wait(gpu.device, slot);
+    (void)gpu_wait(device->gpu, slot); /* a lost device is done as well */
   device->done = UINT64_MAX;
   retire_collect(device);
   geometry_destroy(device);
-  alpha_mask_destroy(device);
-  recording_destroy(device);
-  caster_programs_destroy(device);
-  for (uint32_t i = 0; i < device->programs.count; ++i)
-    programs_free(device, i);
-  for (uint32_t i = 0; i < MASK_KINDS; ++i)
-    gpu.api->program_destroy(gpu.device, device->mask_programs[i]);
-  for (int coarse = 0; coarse < 2; ++coarse)
-    gpu.api->program_destroy(gpu.device, device->tiles_programs[coarse]);
-  gpu.api->close(gpu.device);
-}
-
-void device_close(device *device) {
-  if (device->gpu.device)
-    destroy_objects(device);
-  loader_close(&device->library);
-  context_release(device->context, device);
+  alpha_images_destroy(device);
+  ring_destroy(device);
+  programs_destroy(device);
+  gpu_close(device->gpu);
+  host_release(device->host, device);
 }

@@ -1,56 +1,27 @@
-#include "abi/context.h"
+#include "device/device.h"
 
-#include <string.h>
-
-enum { alignment = 64, row_alignment = 256 };
-
-void *context_allocate(csm_context *context, size_t size) {
-  void *memory = context->allocate(context->user, size, alignment);
-  if (memory)
-    memset(memory, 0, size);
-  else
-    context_fail(context, CSM_ERROR_OUT_OF_MEMORY, "out of memory: %zu bytes", size);
-  return memory;
-}
-
-void context_release(csm_context *context, void *memory) {
-  if (memory)
-    context->release(context->user, memory);
-}
-
-csm_result context_grow(csm_context *context, void **memory, size_t *capacity, size_t size) {
-  if (size <= *capacity)
-    return CSM_SUCCESS;
-  const size_t grown = size + size / 2;
-  void *fresh = context_allocate(context, grown);
-  if (!fresh)
-    return CSM_ERROR_OUT_OF_MEMORY;
-  context_release(context, *memory);
-  *memory = fresh;
-  *capacity = grown;
-  return CSM_SUCCESS;
-}
+enum { row_alignment = 256 };
 
 /* What the engine, or else the driver, says that may still be taken. */
 static uint64_t budget(device *device) {
-  const csm_context *context = device->context;
-  return context->budget ? context->budget(context->user) : device->gpu.api->memory_available(device->gpu.device);
+  const host *host = device->host;
+  return host->budget ? host->budget(host->user) : gpu_memory_available(device->gpu);
 }
 
 /* Drivers may accept more than they say that they can hold (lavapipe does), so limits are asked first. */
 static csm_result check_memory(device *device, const char *name, uint64_t size, uint64_t largest) {
-  csm_context *context = device->context;
+  host *host = device->host;
   retire_collect(device); /* who makes and frees without drawing would else hold all that until a frame */
   const uint64_t limit = device->memory_limit ? device->memory_limit : device->info.memory_size;
   const uint64_t available = budget(device);
   if (size > largest)
-    return context_fail(context, CSM_ERROR_LIMIT_EXCEEDED, "%s takes %llu bytes, the device allows %llu in one piece",
+    return host_fail(host, CSM_ERROR_LIMIT_EXCEEDED, "%s takes %llu bytes, the device allows %llu in one piece",
                         name, (unsigned long long)size, (unsigned long long)largest);
   if (size > limit || device->memory_used > limit - size)
-    return context_fail(context, CSM_ERROR_LIMIT_EXCEEDED, "%s takes %llu bytes; %llu of %llu are in use", name,
+    return host_fail(host, CSM_ERROR_LIMIT_EXCEEDED, "%s takes %llu bytes; %llu of %llu are in use", name,
                         (unsigned long long)size, (unsigned long long)device->memory_used, (unsigned long long)limit);
   if (size > available)
-    return context_fail(context, CSM_ERROR_LIMIT_EXCEEDED, "%s takes %llu bytes; the budget leaves %llu", name,
+    return host_fail(host, CSM_ERROR_LIMIT_EXCEEDED, "%s takes %llu bytes; the budget leaves %llu", name,
                         (unsigned long long)size, (unsigned long long)available);
   return CSM_SUCCESS;
 }
@@ -62,7 +33,7 @@ csm_result device_buffer(device *device, const gpu_buffer_info *info, gpu_buffer
   *out = NULL;
   csm_result result = check_memory(device, info->name, info->size, most);
   if (!result)
-    result = device_check(device, device->gpu.api->buffer_create(device->gpu.device, info, out), info->name);
+    result = device_check(device, gpu_buffer_create(device->gpu, info, out), info->name);
   if (!result)
     device->memory_used += info->size;
   return result;
@@ -71,26 +42,26 @@ csm_result device_buffer(device *device, const gpu_buffer_info *info, gpu_buffer
 void device_buffer_free(device *device, gpu_buffer *buffer, uint64_t size) {
   if (!buffer)
     return;
-  device->gpu.api->buffer_destroy(device->gpu.device, buffer);
+  gpu_buffer_destroy(device->gpu, buffer);
   device->memory_used -= size;
 }
 
 csm_result device_image(device *device, const gpu_image_info *info, gpu_image **out) {
-  csm_context *context = device->context;
+  host *host = device->host;
   const uint64_t texel = gpu_format_bytes(info->format);
   *out = NULL;
   if (info->width > device->info.max_image_size || info->height > device->info.max_image_size)
-    return context_fail(context, CSM_ERROR_LIMIT_EXCEEDED, "%s: %u x %u texels, the device allows %u a side",
+    return host_fail(host, CSM_ERROR_LIMIT_EXCEEDED, "%s: %u x %u texels, the device allows %u a side",
                         info->name, info->width, info->height, device->info.max_image_size);
   if (info->layers > device->info.max_image_layers)
-    return context_fail(context, CSM_ERROR_LIMIT_EXCEEDED, "%s: %u layers, the device allows %u", info->name,
+    return host_fail(host, CSM_ERROR_LIMIT_EXCEEDED, "%s: %u layers, the device allows %u", info->name,
                         info->layers, device->info.max_image_layers);
   csm_result result = check_memory(device, info->name, texel * info->width * info->height * info->layers,
                                    device->info.max_allocation_size);
   if (!result)
-    result = device_check(device, device->gpu.api->image_create(device->gpu.device, info, out), info->name);
+    result = device_check(device, gpu_image_create(device->gpu, info, out), info->name);
   if (!result)
-    device->memory_used += device->gpu.api->image_bytes(*out);
+    device->memory_used += gpu_image_bytes(device->gpu, *out);
   return result;
 }
 
@@ -113,7 +84,7 @@ csm_result device_drawn_image(device *device, const char *name, gpu_format forma
     return result;
   const bool depth = gpu_format_is_depth(format);
   const gpu_target_info on = {.name = name, .depth = depth ? *image : NULL, .color = depth ? NULL : *image};
-  result = device_check(device, device->gpu.api->target_create(device->gpu.device, &on, target), name);
+  result = device_check(device, gpu_target_create(device->gpu, &on, target), name);
   if (result) {
     device_image_free(device, *image);
     *image = NULL;
@@ -124,6 +95,6 @@ csm_result device_drawn_image(device *device, const char *name, gpu_format forma
 void device_image_free(device *device, gpu_image *image) {
   if (!image)
     return;
-  device->memory_used -= device->gpu.api->image_bytes(image);
-  device->gpu.api->image_destroy(device->gpu.device, image);
+  device->memory_used -= gpu_image_bytes(device->gpu, image);
+  gpu_image_destroy(device->gpu, image);
 }

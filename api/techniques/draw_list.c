@@ -4,30 +4,35 @@
 
 enum { row_bytes = 4 * sizeof(float) };
 
+uint64_t draw_list_bytes(const plan_list *list, uint32_t rows) {
+  return (uint64_t)list->instance_count * rows * row_bytes;
+}
+
 /* Faces that are left out of a draw: a mirrored instance shows its front faces as back ones. */
 static gpu_cull draw_cull(const draw_list_info *info, const plan_draw *draw) {
-  const pass_mesh *mesh = &info->meshes[draw->mesh];
-  const gpu_cull cull = info->cull == GPU_CULL_NONE && mesh->closed && info->skip_hidden ? GPU_CULL_BACK : info->cull;
+  const mesh_place *mesh = &info->meshes[draw->mesh];
+  const bool hides_back = info->cull == GPU_CULL_NONE && mesh->watertight && info->skip_hidden;
+  const gpu_cull cull = hides_back ? GPU_CULL_BACK : info->cull;
   if (cull == GPU_CULL_NONE || mesh->two_sided)
     return GPU_CULL_NONE;
   const bool front = (cull == GPU_CULL_FRONT) != (draw->mirrored != 0);
   return front ? GPU_CULL_FRONT : GPU_CULL_BACK;
 }
 
-void draw_list(pass_gpu gpu, const draw_list_info *info) {
+void draw_list(gpu gpu, const draw_list_info *info) {
   const gpu_program *current = NULL;
   for (uint32_t i = 0; i < info->list->draw_count; ++i) {
     const plan_draw *draw = &info->list->draws[i];
-    const pass_mesh *mesh = &info->meshes[draw->mesh];
-    gpu_program *program = info->programs[draw_cull(info, draw)][mesh->programs];
+    const mesh_place *mesh = &info->meshes[draw->mesh];
+    gpu_program *program = info->programs[draw_cull(info, draw)][mesh->shape];
     if (program != current) {
       current = program;
-      gpu.api->pass_program(gpu.device, program);
+      gpu_pass_program(gpu, program);
     }
     if (mesh->alpha_mask)
-      gpu.api->pass_bind(gpu.device, mesh->alpha_mask, &(uint32_t){0});
-    gpu.api->pass_draw(
-        gpu.device,
+      gpu_pass_bind(gpu, mesh->alpha_mask, &(uint32_t){0});
+    gpu_pass_draw(
+        gpu,
         &(gpu_draw){
             .streams = {mesh->vertices, info->matrices, mesh->alpha_mask ? mesh->vertices : NULL},
             .stream_offsets = {mesh->vertex_offset, info->offset + (uint64_t)draw->first * info->rows * row_bytes,
@@ -53,7 +58,7 @@ static void add_alpha_mask(gpu_program_info *info, const draw_list_kind *kind, u
   info->texture_count = 1;
 }
 
-csm_result draw_list_program(pass_gpu gpu, const draw_list_kind *kind, pass_vertices vertices, gpu_program **out) {
+csm_result draw_list_program(gpu gpu, const draw_list_kind *kind, mesh_vertices vertices, gpu_program **out) {
   gpu_program_info info = {
       .name = kind->name,
       .vertex = kind->vertex,
@@ -72,5 +77,5 @@ csm_result draw_list_program(pass_gpu gpu, const draw_list_kind *kind, pass_vert
         (gpu_attribute){.format = GPU_FORMAT_RGBA32_FLOAT, .stream = 1, .offset = row * row_bytes};
   if (vertices.uv_stride)
     add_alpha_mask(&info, kind, vertices.uv_stride);
-  return gpu.api->program_create(gpu.device, &info, out);
+  return gpu_program_create(gpu, &info, out);
 }

@@ -1,206 +1,137 @@
-/* samples.c: the depths that masks' cameras saw, tile by tile, read back once their frames are done. */
-#include "abi/cascades.h"
+#include "techniques/depth_samples/depth_samples.h"
+
+#include "techniques/depth_samples/tiles.h"
 
 #include <string.h>
 
-/* The tiles of one mask, on their way back. */
-struct sample_read {
-  struct sample_read *next;
-  gpu_buffer *buffer;
-  gpu_bindings *bindings[2]; /* for small tiles, for large ones */
-  plan_samples about;
-  uint64_t serial; /* of its frame */
-  bool pending;    /* not taken over yet */
+typedef struct depth_samples_state {
+  tile_images *now, *fresh;   /* NULL until a picture wants them */
+  tile_read *read;            /* of the recording on its way */
+  plan_depth_samples samples; /* the newest that came back; without columns if none did */
+  /* Where its depths lie: taken over in turn, so that a size is never between two memories. */
+  void *memory, *fresh_memory;
+  uint32_t constants_offset;
+} depth_samples_state;
+
+static bool wanted(const csm_config *config) {
+  return config->depth_samples != CSM_DEPTH_SAMPLES_OFF;
+}
+
+static uint64_t size(const void *self, const technique_run *run) {
+  (void)self;
+  (void)run;
+  return TILES_BLOCKS;
+}
+
+/* Takes over the newest tiles whose frame is done. */
+static void collect(depth_samples_state *state, const device *device) {
+  const tile_images *tiles = state->now;
+  const tile_read *newest = tiles ? tile_images_newest(tiles, device) : NULL;
+  if (!newest)
+    return;
+  tile_images_copy(tiles, newest, device, state->memory);
+  state->samples = newest->about;
+  state->samples.depths = state->memory;
+}
+
+/* Tiles of the picture's size, with room for their depths. */
+static csm_result reserve_tiles(depth_samples_state *state, device *device, const technique_picture *picture) {
+  if (state->now && state->now->width == picture->width && state->now->height == picture->height)
+    return CSM_SUCCESS;
+  const csm_result result = tile_images_create(device, picture->width, picture->height, &state->fresh);
+  if (result)
+    return result;
+  state->fresh_memory =
+      host_allocate(device->host, (size_t)state->fresh->columns * state->fresh->rows * 2 * sizeof(float));
+  return state->fresh_memory ? CSM_SUCCESS : CSM_ERROR_OUT_OF_MEMORY;
+}
+
+static csm_result reserve(void *self, technique_run *run, const ring_range *ring) {
+  depth_samples_state *state = self;
+  const technique_picture *picture = run->picture;
+  collect(state, run->device);
+  csm_result result = reserve_tiles(state, run->device, picture);
+  if (result)
+    return result;
+  tile_images *tiles = state->fresh ? state->fresh : state->now;
+  result = tile_images_find_read(tiles, run->device, ring->buffer, picture->depth, &state->read);
+  if (result)
+    return result;
+  state->constants_offset = (uint32_t)ring->offset;
+  state->read->about = (plan_depth_samples){.camera = *picture->camera,
+                                            .width = picture->width,
+                                            .height = picture->height,
+                                            .tile_px = TILE_PX,
+                                            .columns = tiles->columns,
+                                            .rows = tiles->rows};
+  tiles_write(ring->memory, picture->width, picture->height, picture->camera->reversed ? 0.0f : 1.0f);
+  return CSM_SUCCESS;
+}
+
+static void forget(void *self, device *device) {
+  depth_samples_state *state = self;
+  if (state->fresh)
+    tile_images_free(device, &state->fresh->retired);
+  host_release(device->host, state->fresh_memory);
+  state->fresh = NULL;
+  state->fresh_memory = NULL;
+}
+
+/* What was seen in the old size is forgotten. */
+static void adopt(void *self, device *from) {
+  depth_samples_state *state = self;
+  if (!state->fresh)
+    return;
+  if (state->now)
+    retire(from, &state->now->retired, tile_images_free);
+  host_release(from->host, state->memory);
+  state->now = state->fresh;
+  state->memory = state->fresh_memory;
+  state->samples = (plan_depth_samples){0};
+  state->fresh = NULL;
+  state->fresh_memory = NULL;
+}
+
+/* What was seen stays: splits that follow it do not jump when the device changes. */
+static void drop(void *self, device *device) {
+  depth_samples_state *state = self;
+  collect(state, device);
+  if (state->now)
+    retire(device, &state->now->retired, tile_images_free);
+  state->now = NULL;
+}
+
+static void end(void *self, host *host) {
+  host_release(host, ((depth_samples_state *)self)->memory);
+}
+
+static void record(void *self, const technique_run *run) {
+  depth_samples_state *state = self;
+  tiles_record(state->now, state->read, run->device, state->constants_offset);
+}
+
+static void tell_view(const void *self, const device *device, csm_view_stats *stats) {
+  const depth_samples_state *state = self;
+  if (state->now)
+    stats->bytes += tile_images_bytes(state->now, device);
+}
+
+void depth_samples_collect(const technique_set *view, const device *device, plan_depth_samples *out) {
+  depth_samples_state *state = technique_state(view, &technique_depth_samples);
+  collect(state, device);
+  *out = state->samples;
+}
+
+const technique technique_depth_samples = {
+    .name = "depth samples",
+    .state_size = sizeof(depth_samples_state),
+    .wanted = wanted,
+    .adopt = adopt,
+    .forget = forget,
+    .drop = drop,
+    .end = end,
+    .size = size,
+    .reserve = reserve,
+    .record = record,
+    .tell_view = tell_view,
 };
-
-static uint32_t tiles_across(uint32_t pixels, uint32_t tile) {
-  return (pixels + tile - 1) / tile;
-}
-
-static uint32_t row_bytes(const sample_tiles *tiles) {
-  return device_row_bytes(tiles->columns, GPU_FORMAT_RG32_FLOAT);
-}
-
-static uint64_t buffer_size(const sample_tiles *tiles) {
-  return (uint64_t)row_bytes(tiles) * tiles->rows;
-}
-
-static void read_free(device *device, const sample_tiles *tiles, sample_read *read) {
-  for (int size = 0; size < 2; ++size)
-    device->gpu.api->bindings_destroy(device->gpu.device, read->bindings[size]);
-  device_buffer_free(device, read->buffer, buffer_size(tiles));
-  context_release(device->context, read);
-}
-
-void sample_tiles_free(device *device, retired *self) {
-  sample_tiles *tiles = (sample_tiles *)self;
-  while (tiles->reads) {
-    sample_read *read = tiles->reads;
-    tiles->reads = read->next;
-    read_free(device, tiles, read);
-  }
-  for (int size = 0; size < 2; ++size) {
-    device->gpu.api->target_destroy(device->gpu.device, tiles->targets[size]);
-    device_image_free(device, tiles->images[size]);
-  }
-  context_release(device->context, tiles);
-}
-
-void samples_drop(csm_cascades *cascades, device *device) {
-  if (cascades->tiles)
-    retire(device, &cascades->tiles->retired, sample_tiles_free);
-  cascades->tiles = NULL;
-  cascades->samples.columns = 0;
-}
-
-/* ---- reserving ---- */
-
-static csm_result make_image(device *device, sample_tiles *tiles, int size, uint32_t width, uint32_t height) {
-  return device_drawn_image(device, "depth tiles", GPU_FORMAT_RG32_FLOAT, width, height, &tiles->images[size],
-                            &tiles->targets[size]);
-}
-
-static csm_result tiles_create(device *device, uint32_t width, uint32_t height, sample_tiles **out) {
-  sample_tiles *tiles = context_allocate(device->context, sizeof *tiles);
-  if (!tiles)
-    return CSM_ERROR_OUT_OF_MEMORY;
-  tiles->width = width;
-  tiles->height = height;
-  tiles->columns = tiles_across(width, DEPTH_TILES_PX);
-  tiles->rows = tiles_across(height, DEPTH_TILES_PX);
-  csm_result result =
-      make_image(device, tiles, 0, tiles_across(width, DEPTH_TILES_FINE_PX), tiles_across(height, DEPTH_TILES_FINE_PX));
-  if (!result)
-    result = make_image(device, tiles, 1, tiles->columns, tiles->rows);
-  if (result) {
-    sample_tiles_free(device, &tiles->retired);
-    return result;
-  }
-  *out = tiles;
-  return CSM_SUCCESS;
-}
-
-/* Each step reads what the one before it wrote. */
-static gpu_bindings_info inputs(device *device, const sample_tiles *tiles, int size, gpu_buffer *constants,
-                                gpu_image *depth) {
-  return depth_tiles_inputs(device->tiles_programs[size], constants, size ? tiles->images[0] : depth);
-}
-
-static csm_result read_create(device *device, sample_tiles *tiles, gpu_buffer *constants, gpu_image *depth,
-                              sample_read **out) {
-  sample_read *read = context_allocate(device->context, sizeof *read);
-  if (!read)
-    return CSM_ERROR_OUT_OF_MEMORY;
-  csm_result result = device_buffer(
-      device, &(gpu_buffer_info){.name = "depth tiles", .kind = GPU_BUFFER_READBACK, .size = buffer_size(tiles)},
-      &read->buffer);
-  for (int size = 0; size < 2 && !result; ++size) {
-    const gpu_bindings_info info = inputs(device, tiles, size, constants, depth);
-    result = device_check(device, device->gpu.api->bindings_create(device->gpu.device, &info, &read->bindings[size]),
-                          "depth tiles");
-  }
-  if (result) {
-    read_free(device, tiles, read);
-    return result;
-  }
-  read->next = tiles->reads;
-  tiles->reads = read;
-  *out = read;
-  return CSM_SUCCESS;
-}
-
-/* One that no frame in flight uses. */
-static csm_result find_read(device *device, sample_tiles *tiles, gpu_buffer *constants, gpu_image *depth,
-                            sample_read **out) {
-  for (sample_read *read = tiles->reads; read; read = read->next)
-    if (read->serial <= device->done) {
-      for (int size = 0; size < 2; ++size) {
-        const gpu_bindings_info info = inputs(device, tiles, size, constants, depth);
-        device->gpu.api->bindings_write(device->gpu.device, read->bindings[size], &info);
-      }
-      *out = read;
-      return CSM_SUCCESS;
-    }
-  return read_create(device, tiles, constants, depth, out);
-}
-
-/* Takes tiles of another size over, with room for their depths; what was seen in the old size is forgotten. */
-static csm_result keep_tiles(csm_cascades *cascades, sample_tiles *tiles) {
-  const size_t size = (size_t)tiles->columns * tiles->rows * 2 * sizeof(float);
-  const csm_result result = context_grow(cascades->context, &cascades->samples_memory, &cascades->samples_size, size);
-  if (result)
-    return result;
-  samples_drop(cascades, cascades->context->device);
-  cascades->tiles = tiles;
-  return CSM_SUCCESS;
-}
-
-csm_result samples_prepare(csm_cascades *cascades, const plan_camera *camera, uint32_t width, uint32_t height,
-                           gpu_buffer *constants, gpu_image *depth, sample_read **out) {
-  device *device = cascades->context->device;
-  samples_collect(cascades);
-  sample_tiles *tiles = cascades->tiles;
-  const bool fits = tiles && tiles->width == width && tiles->height == height;
-  csm_result result = fits ? CSM_SUCCESS : tiles_create(device, width, height, &tiles);
-  if (result)
-    return result;
-  result = find_read(device, tiles, constants, depth, out);
-  if (!result && !fits)
-    result = keep_tiles(cascades, tiles);
-  if (result) {
-    if (!fits)
-      sample_tiles_free(device, &tiles->retired);
-    return result;
-  }
-  (*out)->about = (plan_samples){.camera = *camera,
-                                 .width = width,
-                                 .height = height,
-                                 .tile_px = DEPTH_TILES_PX,
-                                 .columns = tiles->columns,
-                                 .rows = tiles->rows};
-  return CSM_SUCCESS;
-}
-
-/* ---- recording and reading ---- */
-
-void samples_record(csm_cascades *cascades, sample_read *read, uint32_t constants_offset) {
-  device *device = cascades->context->device;
-  const sample_tiles *tiles = cascades->tiles;
-  depth_tiles_pass pass = {.columns = tiles->columns,
-                           .rows = tiles->rows,
-                           .out = read->buffer,
-                           .row_bytes = row_bytes(tiles),
-                           .constants_offset = constants_offset};
-  for (int size = 0; size < 2; ++size) {
-    pass.programs[size] = device->tiles_programs[size];
-    pass.bindings[size] = read->bindings[size];
-    pass.targets[size] = tiles->targets[size];
-    pass.images[size] = tiles->images[size];
-  }
-  depth_tiles_record(device->gpu, &pass);
-  read->serial = device->serial;
-  read->pending = true;
-}
-
-static void take(csm_cascades *cascades, const sample_read *read) {
-  const device *device = cascades->context->device;
-  const sample_tiles *tiles = cascades->tiles;
-  const size_t bytes = tiles->columns * 2 * sizeof(float);
-  const char *rows = device->gpu.api->buffer_memory(read->buffer);
-  for (uint32_t row = 0; row < tiles->rows; ++row)
-    memcpy((char *)cascades->samples_memory + row * bytes, rows + (size_t)row * row_bytes(tiles), bytes);
-  cascades->samples = read->about;
-  cascades->samples.depths = cascades->samples_memory;
-}
-
-void samples_collect(csm_cascades *cascades) {
-  const device *device = cascades->context->device;
-  sample_read *newest = NULL;
-  for (sample_read *read = cascades->tiles ? cascades->tiles->reads : NULL; read; read = read->next)
-    if (read->pending && read->serial <= device->done) {
-      read->pending = false;
-      newest = !newest || read->serial > newest->serial ? read : newest;
-    }
-  if (newest)
-    take(cascades, newest);
-}
