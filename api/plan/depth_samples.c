@@ -1,11 +1,13 @@
 /*
- * samples.c: splits and bounds by what the camera saw. Lauritzen, Salvi and Lefohn, "Sample Distribution Shadow Maps"
- * (2011), with the depths of an earlier frame: its surfaces are seen again from where the camera is now.
+ * depth_samples.c: splits and bounds by what views saw (SDSM). Lauritzen, Salvi and Lefohn, "Sample Distribution Shadow
+ * Maps" (2011), with the depths of an earlier frame: its surfaces are seen again from where the camera is now.
  *
- * A tile of that frame's picture holds the nearest and the farthest depth in it, so what was seen there lies in a
- * frustum of eight corners. Sizes are steps of a quarter of an octave, which grow at once where they must, and shrink
- * when they have been two steps too large for some frames: so texels keep their size, and what is fitted does not
- * jitter, nor does it where a tile comes into a slice and leaves it again.
+ * A tile of a view's picture holds the nearest and the farthest depth in it, so what was seen there lies in a frustum
+ * of eight corners. Several views together saw what any of them saw.
+ *
+ * Sizes are steps of a quarter of an octave. They grow at once where they must, and shrink when they have been two
+ * steps too large for some frames. So texels keep their size, and what is fitted does not jitter, nor does it where a
+ * tile comes into a slice and leaves it again.
  */
 #include "plan/internal.h"
 
@@ -17,15 +19,17 @@
 /* The bound of a map never shrinks below 1/16 of its fit. */
 #define MOST_STEPS (4.0 * STEPS_PER_OCTAVE)
 
-/* The view depth of a depth in the camera's buffer. */
+/* The view depth of a depth in the camera's buffer; INFINITY beyond PLAN_LARGEST. */
 static double view_depth(const plan_camera *camera, double depth) {
   const double *p = camera->projection;
-  const double z = (p[14] - depth * p[15]) / (depth * p[11] - p[10]);
-  return plan_view_side(camera) * z;
+  const double above = p[14] - depth * p[15], below = depth * p[11] - p[10];
+  if (fabs(above) > PLAN_LARGEST * fabs(below)) /* infinitely far away */
+    return INFINITY;
+  return plan_view_side(camera) * (above / below);
 }
 
 /* The view-space corners of what a tile saw between two view depths; a tile at the border goes on beyond it. */
-static void tile_corners(double (*corners)[3], const plan_samples *samples, uint32_t column, uint32_t row,
+static void tile_corners(double (*corners)[3], const plan_depth_samples *samples, uint32_t column, uint32_t row,
                          const double depths[2], double margin) {
   const double *p = samples->camera.projection;
   const double determinant = p[0] * p[5] - p[4] * p[1];
@@ -46,14 +50,14 @@ static void tile_corners(double (*corners)[3], const plan_samples *samples, uint
 }
 
 /* The view depths between which a tile saw surfaces; false: it saw none. */
-static bool tile_depths(double depths[2], const plan_samples *samples, uint32_t column, uint32_t row) {
+static bool tile_depths(double depths[2], const plan_depth_samples *samples, uint32_t column, uint32_t row) {
   const float *bounds = samples->depths[row * samples->columns + column];
-  if (!(bounds[0] <= bounds[1]))
+  if (!islessequal(bounds[0], bounds[1]) || bounds[0] < 0.0f || bounds[1] > 1.0f)
     return false;
   const double a = view_depth(&samples->camera, bounds[0]), b = view_depth(&samples->camera, bounds[1]);
   depths[0] = fmin(a, b);
   depths[1] = fmax(a, b);
-  return depths[0] > -INFINITY && depths[1] < INFINITY && depths[0] <= depths[1];
+  return depths[1] < INFINITY;
 }
 
 /* How deep a point of the samples' view space lies in the view of another camera. */
@@ -68,7 +72,7 @@ static double depth_from(const plan_camera *camera, const plan_camera *samples, 
 
 /* ---- what can be used ---- */
 
-static double farthest_depth(const plan_samples *samples) {
+static double farthest_depth(const plan_depth_samples *samples) {
   double farthest = 0.0, depths[2];
   for (uint32_t row = 0; row < samples->rows; ++row)
     for (uint32_t column = 0; column < samples->columns; ++column)
@@ -93,13 +97,12 @@ static bool same_image(const plan_camera *a, const plan_camera *b) {
  * to the farthest surface, sees what no tile has seen: a cut. So does one with another image, and one that had none
  * before.
  */
-bool plan_samples_usable(const plan_samples *samples, const plan_camera *camera, const csm_config *config) {
-  if (config->depth_samples == CSM_DEPTH_SAMPLES_OFF || !samples || !samples->columns ||
-      !same_image(&samples->camera, camera))
+static bool usable(const plan_depth_samples *samples, const plan_camera *camera, double margin) {
+  if (!samples->columns || !samples->rows || !same_image(&samples->camera, camera))
     return false;
   const plan_camera *then = &samples->camera;
   const double tangent = fmin(1.0 / fabs(camera->projection[0]), 1.0 / fabs(camera->projection[5]));
-  const double most = config->depth_samples_margin * (camera->orthographic ? 1.0 : 2.0 * atan(tangent));
+  const double most = margin * (camera->orthographic ? 1.0 : 2.0 * atan(tangent));
   double right = 0.0, moved = 0.0;
   for (int i = 0; i < 3; ++i) {
     right += then->view[i * 4] * camera->view[i * 4];
@@ -107,7 +110,14 @@ bool plan_samples_usable(const plan_samples *samples, const plan_camera *camera,
     moved += step * step;
   }
   const double ahead = plan_dot(then->forward, camera->forward), farthest = farthest_depth(samples);
-  return farthest > 0.0 && ahead >= cos(most) && right >= cos(most) && sqrt(moved) <= config->depth_samples_margin * farthest;
+  return farthest > 0.0 && ahead >= cos(most) && right >= cos(most) && sqrt(moved) <= margin * farthest;
+}
+
+bool plan_depth_samples_usable(const plan_frame_info *info, const plan_camera *camera) {
+  bool all = info->sample_count && info->config->depth_samples != CSM_DEPTH_SAMPLES_OFF;
+  for (uint32_t i = 0; i < info->sample_count && all; ++i)
+    all = usable(&info->samples[i], camera, info->config->depth_samples_margin);
+  return all;
 }
 
 /* ---- splits ---- */
@@ -127,10 +137,9 @@ static plan_steps keep_or_fit(double needed, const plan_steps *before, double di
   return (plan_steps){.value = needed};
 }
 
-void plan_samples_range(double *near, double *end, const plan_fit_frame *frame) {
-  const plan_samples *samples = frame->samples;
-  const double margin = frame->config->depth_samples_margin;
-  double inverse[9], nearest = INFINITY, farthest = -INFINITY;
+/* Widens a range of the camera's view depths to what a view saw. */
+static void widen_range(double range[2], const plan_camera *camera, const plan_depth_samples *samples) {
+  double inverse[9];
   plan_view_rotation_inverse(inverse, samples->camera.view);
   for (uint32_t row = 0; row < samples->rows; ++row)
     for (uint32_t column = 0; column < samples->columns; ++column) {
@@ -139,18 +148,24 @@ void plan_samples_range(double *near, double *end, const plan_fit_frame *frame) 
         continue;
       tile_corners(corners, samples, column, row, depths, 0.0);
       for (int i = 0; i < 8; ++i) {
-        const double depth = depth_from(frame->camera, &samples->camera, inverse, corners[i]);
-        nearest = fmin(nearest, depth);
-        farthest = fmax(farthest, depth);
+        const double depth = depth_from(camera, &samples->camera, inverse, corners[i]);
+        range[0] = fmin(range[0], depth);
+        range[1] = fmax(range[1], depth);
       }
     }
-  nearest -= margin * fabs(nearest);
-  farthest += margin * fabs(farthest);
+}
+
+void plan_depth_samples_range(double *near, double *end, const plan_fit_frame *frame) {
+  const double margin = frame->config->depth_samples_margin;
+  double range[2] = {INFINITY, -INFINITY};
+  for (uint32_t i = 0; i < frame->sample_count; ++i)
+    widen_range(range, frame->camera, &frame->samples[i]);
+  const double nearest = range[0] - margin * fabs(range[0]), farthest = range[1] + margin * fabs(range[1]);
   plan_history *after = frame->after;
   const plan_history *before = frame->before;
   const bool had = before && before->has_samples;
   after->has_samples = true;
-  const double least = fmax(nearest, fmax(*near, 1e-6 * fabs(*end)));
+  const double least = fmax(fmax(nearest, 1e-12), fmax(*near, 1e-6 * fabs(*end)));
   after->sample_range[0] =
       keep_or_fit(floor(log2(least) * STEPS_PER_OCTAVE), had ? &before->sample_range[0] : NULL, -1.0);
   after->sample_range[1] =
@@ -170,7 +185,7 @@ void plan_samples_range(double *near, double *end, const plan_fit_frame *frame) 
  * Widens what a tile saw up to what its neighbours did: a surface that goes on from one to the other is seen at the
  * centres of pixels, and along a floor that runs away from the camera the next centre may lie far behind the last.
  */
-static void meet_neighbours(double depths[2], const plan_samples *samples, uint32_t column, uint32_t row) {
+static void meet_neighbours(double depths[2], const plan_depth_samples *samples, uint32_t column, uint32_t row) {
   static const int ways[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
   const double own[2] = {depths[0], depths[1]};
   for (int way = 0; way < 4; ++way) {
@@ -185,54 +200,83 @@ static void meet_neighbours(double depths[2], const plan_samples *samples, uint3
   }
 }
 
-/* The samples' part between two view depths of the camera now, in light space across the light; false: there is none.
- */
-static bool visible_bounds(double low[2], double high[2], const plan_fit_frame *frame, double near, double far) {
-  const plan_samples *samples = frame->samples;
+/* A view that saw something, and the way back from its view space. */
+typedef struct seen_view {
+  const plan_depth_samples *samples;
   double inverse[9];
-  bool any = false;
-  plan_view_rotation_inverse(inverse, samples->camera.view);
-  for (uint32_t row = 0; row < samples->rows; ++row)
-    for (uint32_t column = 0; column < samples->columns; ++column) {
-      double depths[2], corners[8][3], shift = 0.0;
-      if (!tile_depths(depths, samples, column, row))
-        continue;
-      meet_neighbours(depths, samples, column, row);
-      tile_corners(corners, samples, column, row, depths, frame->config->depth_samples_margin);
-      for (int i = 0; i < 8; ++i)
-        shift = fmax(shift, fabs(depth_from(frame->camera, &samples->camera, inverse, corners[i]) - depths[i / 4]));
-      depths[0] = fmax(depths[0], near - shift);
-      depths[1] = fmin(depths[1], far + shift);
-      if (depths[0] > depths[1])
-        continue;
-      tile_corners(corners, samples, column, row, depths, frame->config->depth_samples_margin);
-      for (int i = 0; i < 8; ++i) {
-        double light[3];
-        plan_view_to_light(light, &samples->camera, frame->basis, inverse, corners[i]);
-        for (int k = 0; k < 2; ++k) {
-          low[k] = any ? fmin(low[k], light[k]) : light[k];
-          high[k] = any ? fmax(high[k], light[k]) : light[k];
-        }
-        any = true;
-      }
-    }
-  return any;
+} seen_view;
+
+/* Bounds across the light. */
+typedef struct bounds {
+  double low[2], high[2];
+  bool any;
+} bounds;
+
+/*
+ * What a tile saw, with its surroundings, between two view depths of the camera now; false: nothing. The tile's depths
+ * are of another camera, so they are cut where the two differ most.
+ */
+static bool visible_corners(double corners[8][3], const plan_fit_frame *frame, const seen_view *view,
+                            const uint32_t tile[2], const double between[2]) {
+  const plan_depth_samples *samples = view->samples;
+  const double margin = frame->config->depth_samples_margin;
+  double depths[2], shift = 0.0;
+  if (!tile_depths(depths, samples, tile[0], tile[1]))
+    return false;
+  meet_neighbours(depths, samples, tile[0], tile[1]);
+  tile_corners(corners, samples, tile[0], tile[1], depths, margin);
+  for (int i = 0; i < 8; ++i)
+    shift = fmax(shift, fabs(depth_from(frame->camera, &samples->camera, view->inverse, corners[i]) - depths[i / 4]));
+  depths[0] = fmax(depths[0], between[0] - shift);
+  depths[1] = fmin(depths[1], between[1] + shift);
+  if (depths[0] > depths[1])
+    return false;
+  tile_corners(corners, samples, tile[0], tile[1], depths, margin);
+  return true;
 }
 
-void plan_samples_bound(double middle[2], double width[2], const plan_fit_frame *frame, uint32_t cascade, double near,
-                        double far) {
-  double low[2], high[2];
-  if (frame->config->depth_samples != CSM_DEPTH_SAMPLES_BOUNDS || !visible_bounds(low, high, frame, near, far))
+/* Widens bounds to what a view saw between two view depths of the camera now. */
+static void widen_bounds(bounds *out, const plan_fit_frame *frame, const plan_depth_samples *samples,
+                         const double between[2]) {
+  seen_view view = {.samples = samples};
+  plan_view_rotation_inverse(view.inverse, samples->camera.view);
+  for (uint32_t i = 0; i < samples->rows * samples->columns; ++i) {
+    const uint32_t tile[2] = {i % samples->columns, i / samples->columns};
+    double corners[8][3];
+    if (!visible_corners(corners, frame, &view, tile, between))
+      continue;
+    for (int corner = 0; corner < 8; ++corner) {
+      double light[3];
+      plan_view_to_light(light, &samples->camera, frame->basis, view.inverse, corners[corner]);
+      for (int k = 0; k < 2; ++k) {
+        out->low[k] = out->any ? fmin(out->low[k], light[k]) : light[k];
+        out->high[k] = out->any ? fmax(out->high[k], light[k]) : light[k];
+      }
+      out->any = true;
+    }
+  }
+}
+
+void plan_depth_samples_bound(double middle[2], double width[2], const plan_fit_frame *frame, uint32_t cascade,
+                              const double depths[2]) {
+  bounds seen = {0};
+  if (frame->config->depth_samples != CSM_DEPTH_SAMPLES_BOUNDS)
+    return;
+  for (uint32_t i = 0; i < frame->sample_count; ++i)
+    widen_bounds(&seen, frame, &frame->samples[i], depths);
+  if (!seen.any)
     return;
   const plan_history *before = frame->before;
   for (int k = 0; k < 2; ++k) {
     const double room = 1.0 + frame->config->depth_samples_margin;
-    const double begin = fmax(low[k], middle[k] - width[k] / 2.0), end = fmin(high[k], middle[k] + width[k] / 2.0);
+    const double begin = fmax(seen.low[k], middle[k] - width[k] / 2.0),
+                 end = fmin(seen.high[k], middle[k] + width[k] / 2.0);
     const double needed = (end - begin) * room;
     if (!(needed > 0.0))
       continue;
-    /* Steps that the fit's width is divided by */
-    const double steps = fmin(fmax(floor(log2(width[k] / needed) * STEPS_PER_OCTAVE), 0.0), MOST_STEPS);
+    /* Steps that the fit's width is divided by; a quotient of 2^20 is more than all of them */
+    const double times = width[k] / fmax(needed, width[k] * 0x1p-20);
+    const double steps = fmin(fmax(floor(log2(times) * STEPS_PER_OCTAVE), 0.0), MOST_STEPS);
     const bool had = before && before->has_bounds[cascade];
     const plan_steps kept = keep_or_fit(steps, had ? &before->bound_steps[cascade][k] : NULL, -1.0);
     frame->after->bound_steps[cascade][k] = kept;

@@ -208,10 +208,9 @@ typedef struct plan_frame {
  * memory only together with keeps = false.
  */
 typedef struct plan_cache {
-  void *memory;    /* plan_cache_size(slots) bytes, aligned to 16 */
-  uint32_t slots;  /* that there is room for; a scene with more of them is planned without the cache */
-  bool keeps;      /* what follows says what the memory holds */
-  uint32_t filled; /* slots whose boxes it holds */
+  void *memory;   /* plan_cache_size(slots) bytes, aligned to 16 */
+  uint32_t slots; /* that there is room for; a scene with more of them is planned without the cache */
+  bool keeps;     /* what follows says what the memory holds */
   uint64_t identity, revision;
   double basis[9];
 } plan_cache;

@@ -116,8 +116,9 @@ static void need_room_before_the_shadow_distance(void **state) {
   for (int i = 0; i < 3; ++i) {
     const char *error = "";
     config.shadow_distance = distances[i];
-    assert_int_equal(plan_made(&frame, &config, view, projection, down, &nothing, NULL, &error),
-                     CSM_ERROR_INVALID_CAMERA);
+    assert_int_equal(
+        plan_made(&frame, &config, view, projection, camera_reversed(&camera), down, &nothing, NULL, &error),
+        CSM_ERROR_INVALID_CAMERA);
     assert_true(error[0]);
   }
 }

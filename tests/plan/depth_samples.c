@@ -15,7 +15,7 @@ typedef struct picture {
   test_camera camera;
   double depths[height][width]; /* of view, where the buffer's depth leads back to */
   float tiles[rows * columns][2];
-  plan_samples samples;
+  plan_depth_samples samples;
 } picture;
 
 static void pixel_clip(int column, int row, double out[2]) {
@@ -27,7 +27,7 @@ static void plan_camera_of(plan_camera *out, const test_camera *camera) {
   double view[16], projection[16];
   const char *error = "";
   camera_matrices(camera, view, projection);
-  if (plan_camera_make(out, view, projection, &error))
+  if (plan_camera_make(out, view, projection, camera_reversed(&camera), &error))
     fail_msg("%s", error);
 }
 
@@ -138,7 +138,7 @@ static plan_frame plan_with(const csm_config *config, const test_camera *camera,
                                 .scene = &empty,
                                 .before = before,
                                 .samples = seen ? &seen->samples : NULL};
-  if (plan_frame_make(&frame, &info, NULL, &error))
+  if (plan_traced(&frame, &info, NULL, &error))
     fail_msg("%s", error);
   return frame;
 }
@@ -229,7 +229,8 @@ static void splits_keep_to_the_margin(void **state) {
     csm_config config = sampled_config(CSM_DEPTH_SAMPLES_SPLITS);
     config.depth_samples_margin = i / 20.0;
     const plan_frame frame = plan_with(&config, &camera, &seen, NULL);
-    const double near = nearest * (1.0 - config.depth_samples_margin), end = farthest * (1.0 + config.depth_samples_margin);
+    const double near = nearest * (1.0 - config.depth_samples_margin),
+                 end = farthest * (1.0 + config.depth_samples_margin);
     assert_true(frame.cascades[0].info.near_depth <= near * (1.0 + 1e-6));
     assert_true(frame.cascades[0].info.near_depth >= near / step * (1.0 - 1e-6));
     assert_true(end_of(&frame) >= end * (1.0 - 1e-6) && end_of(&frame) <= end * step * (1.0 + 1e-6));
@@ -536,5 +537,5 @@ int main(void) {
       cmocka_unit_test(sizes_stay_while_a_camera_sways),
       cmocka_unit_test(sizes_follow_what_is_seen),
   };
-  return cmocka_run_group_tests_name("plan-samples", tests, NULL, NULL);
+  return cmocka_run_group_tests_name("plan-depth-samples", tests, NULL, NULL);
 }
