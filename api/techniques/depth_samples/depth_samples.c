@@ -8,8 +8,8 @@ typedef struct depth_samples_state {
   tile_images *now, *fresh;   /* NULL until a picture wants them */
   tile_read *read;            /* of the recording on its way */
   plan_depth_samples samples; /* the newest that came back; without columns if none did */
-  /* Where its depths lie: taken over in turn, so that a size is never between two memories. */
-  void *memory, *fresh_memory;
+  void *memory;               /* that its depths lie in */
+  void *room, *fresh_room;    /* for those of another size, until they come back; or NULL */
   uint32_t constants_offset;
 } depth_samples_state;
 
@@ -29,6 +29,11 @@ static void collect(depth_samples_state *state, const device *device) {
   const tile_read *newest = tiles ? tile_images_newest(tiles, device) : NULL;
   if (!newest)
     return;
+  if (state->room) {
+    host_release(device->host, state->memory);
+    state->memory = state->room;
+    state->room = NULL;
+  }
   tile_images_copy(tiles, newest, device, state->memory);
   state->samples = newest->about;
   state->samples.depths = state->memory;
@@ -41,9 +46,9 @@ static csm_result reserve_tiles(depth_samples_state *state, device *device, cons
   const csm_result result = tile_images_create(device, picture->width, picture->height, &state->fresh);
   if (result)
     return result;
-  state->fresh_memory =
+  state->fresh_room =
       host_allocate(device->host, (size_t)state->fresh->columns * state->fresh->rows * 2 * sizeof(float));
-  return state->fresh_memory ? CSM_SUCCESS : CSM_ERROR_OUT_OF_MEMORY;
+  return state->fresh_room ? CSM_SUCCESS : CSM_ERROR_OUT_OF_MEMORY;
 }
 
 static csm_result reserve(void *self, technique_run *run, const ring_range *ring) {
@@ -72,27 +77,26 @@ static void forget(void *self, device *device) {
   depth_samples_state *state = self;
   if (state->fresh)
     tile_images_free(device, &state->fresh->retired);
-  host_release(device->host, state->fresh_memory);
+  host_release(device->host, state->fresh_room);
   state->fresh = NULL;
-  state->fresh_memory = NULL;
+  state->fresh_room = NULL;
 }
 
-/* What was seen in the old size is forgotten. */
+/* What was seen in another size, or on another device, stays until something newer comes back: splits that follow it do
+   not jump. */
 static void adopt(void *self, device *from) {
   depth_samples_state *state = self;
   if (!state->fresh)
     return;
   if (state->now)
     retire(from, &state->now->retired, tile_images_free);
-  host_release(from->host, state->memory);
+  host_release(from->host, state->room);
   state->now = state->fresh;
-  state->memory = state->fresh_memory;
-  state->samples = (plan_depth_samples){0};
+  state->room = state->fresh_room;
   state->fresh = NULL;
-  state->fresh_memory = NULL;
+  state->fresh_room = NULL;
 }
 
-/* What was seen stays: splits that follow it do not jump when the device changes. */
 static void drop(void *self, device *device) {
   depth_samples_state *state = self;
   collect(state, device);
@@ -102,7 +106,9 @@ static void drop(void *self, device *device) {
 }
 
 static void end(void *self, host *host) {
-  host_release(host, ((depth_samples_state *)self)->memory);
+  depth_samples_state *state = self;
+  host_release(host, state->memory);
+  host_release(host, state->room);
 }
 
 static void record(void *self, const technique_run *run) {
