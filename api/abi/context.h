@@ -1,91 +1,51 @@
 /*
- * context.h: what a context keeps whatever its device is: the caller's callbacks, meshes by handle (meshes.c), cascades
- * (cascades.c), the last error (errors.c).
+ * context.h: what a context keeps whatever its device is: the caller's callbacks, meshes, alpha masks and scenes,
+ * cascades, views, and the last error.
  */
-#ifndef CONTEXT_H
-#define CONTEXT_H
+#ifndef ABI_CONTEXT_H
+#define ABI_CONTEXT_H
 
-#include "device/device.h"
-#include "scene/handles.h"
+#include "abi/loader.h"
+#include "scene/scene.h"
 #include "structs.h"
 
-/* Arrays are by index of the handle. */
-typedef struct mesh_table {
-  handle_table handles;
-  csm_mesh_info *infos; /* shapes; positions, uvs and indices point into the copy, or are NULL */
-  void **copies;
-  plan_bounds *bounds; /* as the plan wants them */
-} mesh_table;
-
-typedef struct alpha_mask_table {
-  handle_table handles;
-  csm_alpha_mask_info *infos; /* texels are the context's copy */
-  uint32_t *users;         /* meshes */
-} alpha_mask_table;
+/* A backend's library, and the device that it drives. */
+typedef struct opened {
+  struct opened *next;
+  loader_library library;
+  device *device;
+} opened;
 
 struct csm_context {
-  csm_allocate_function allocate;
-  csm_release_function release;
-  csm_log_function log;
-  csm_supply_function supply;
-  csm_budget_function budget;
-  void *user;
-  char error[512];
-
-  device *device;
-  device *former; /* engines' devices that the context was switched away from, until their last frame is retired */
-  mesh_table meshes;
-  alpha_mask_table alpha_masks;
-  bool keep_geometry;
+  host host;
+  opened *opened; /* the present one; its device is that of the assets */
+  opened *former; /* engines' devices that the context was switched away from, until their last frame is retired */
+  assets assets;
   csm_cascades *cascades; /* all of them */
+  csm_view *views;        /* likewise */
 
-  void *scratch; /* instances that a mask's camera sees */
+  /* What the camera of a picture without a scene sees. */
+  instances list;
+  void *scratch;
   size_t scratch_size;
 };
 
-/* ---- errors.c ---- */
+/* ---- context.c ---- */
 
-/* Records and logs an error, and returns `result`. */
-csm_result context_fail(csm_context *context, csm_result result, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-/* context_fail for a backend's result, with what was tried; a lost device is marked. CSM_SUCCESS passes through. */
-csm_result device_check(device *device, csm_result result, const char *what);
-/* context_fail for a struct that struct_read or struct_check refused. */
-csm_result context_check_struct(csm_context *context, csm_result result, const char *name);
+/* What is wrong with a checked-out csm_create_info, or CSM_SUCCESS. */
+csm_result create_info_check(const csm_create_info *info, const char **text);
+/* Leaves the text of a creation that failed where the caller finds it. */
+csm_result create_info_refuse(const csm_create_info *info, csm_result result, const char *text);
+/* Opens the backend that `info` names, which is checked, and its device. */
+csm_result context_open(csm_context *context, const csm_create_info *info, opened **out);
+/* Closes the device and its library; the GPU is done with it, or is waited for. */
+void context_close(csm_context *context, opened *opened);
+
 /* DEVICE_LOST once the context's device is lost. */
 csm_result context_usable(csm_context *context);
 
-/* ---- memory.c ---- */
-
-void *context_allocate(csm_context *context, size_t size); /* zeroed; fails with an error set */
-void context_release(csm_context *context, void *memory);
-/* Makes *memory at least `size` bytes, losing what it held; keeps it as it was on failure. */
-csm_result context_grow(csm_context *context, void **memory, size_t *capacity, size_t size);
-
-/* ---- meshes.c ---- */
-
-/* Places every mesh on another device, from copies or what `supply` gives. */
-csm_result meshes_move(csm_context *context, device *to);
-void meshes_destroy(csm_context *context);
-
-/* ---- alpha_mask.c ---- */
-
-/* Makes every texture on another device. */
-csm_result alpha_masks_move(csm_context *context, device *to);
-void alpha_masks_destroy(csm_context *context);
-
-/* ---- scene.c ---- */
-
-/* Bytes that scene_read needs for so many instances. */
-size_t scene_size(uint32_t instance_count);
-/* Checks a frame's instances and copies them into `memory`. */
-csm_result scene_read(csm_context *context, const csm_frame *frame, void *memory, plan_scene *scene);
-/* Reads and checks a frame's struct but for its instances. */
-csm_result frame_read(csm_context *context, const csm_frame *in, csm_frame *out);
-
-/* ---- context.c ---- */
-
-/* malloc, and no log: for what is done without a context. */
-gpu_host default_host(void);
+static inline device *context_device(const csm_context *context) {
+  return context->assets.device;
+}
 
 #endif

@@ -8,7 +8,8 @@ static void copy_text(char *to, size_t size, const char *from) {
 }
 
 static void describe_backend(const char *name, csm_backend_info *out) {
-  const gpu_host host = default_host();
+  const host none = host_default();
+  const gpu_host host = {.allocate = none.allocate, .release = none.release, .log = none.log};
   const gpu_open_info open = {.host = &host, .slots = 1, .error = out->error, .error_size = sizeof out->error};
   gpu_device_info device = {0};
   loader_library library = {0};

@@ -1,45 +1,35 @@
 #include "abi/cascades.h"
+#include "abi/view.h"
 
 #include <string.h>
 
-/* A part of an image's layer. The layer is copied whole, for Direct3D 12 does not copy parts of depth. */
-typedef struct source {
-  gpu_image *image;
-  gpu_format format;
-  uint32_t layer, image_width, image_height;
-  gpu_rect part;
-} source;
-
-static csm_result find_source(csm_cascades *cascades, const csm_read_info *info, source *out) {
-  csm_context *context = cascades->context;
-  const cascade_mask *mask = cascades->mask;
+static csm_result check_owner(csm_context *context, const csm_read_info *info) {
+  host *host = &context->host;
+  const bool map = info->source == CSM_READ_MAP;
   if (info->source > CSM_READ_CAMERA_DEPTH || info->reserved)
-    return context_fail(context, CSM_ERROR_INVALID_VALUE, "csm_read_info: there is no source %u", info->source);
-  if (info->source == CSM_READ_MAP) {
-    if (info->cascade >= cascades->config.cascade_count)
-      return context_fail(context, CSM_ERROR_INVALID_INDEX, "csm_read_info: cascade %u of %u", info->cascade,
-                          cascades->config.cascade_count);
-    if (!cascades->drawn)
-      return context_fail(context, CSM_ERROR_INVALID_STATE, "no maps have been drawn with this configuration yet");
-    const cascade_maps *maps = cascades->resources.maps;
-    const plan_rect *rect = &maps->layout.rects[info->cascade];
-    *out = (source){.image = maps->image,
-                    .format = maps->format,
-                    .layer = rect->layer,
-                    .image_width = maps->layout.width,
-                    .image_height = maps->layout.height,
-                    .part = {.x = rect->x, .y = rect->y, .width = rect->side, .height = rect->side}};
-    return CSM_SUCCESS;
-  }
-  if (!mask || !(info->source == CSM_READ_MASK ? mask->drawn : mask->depth_drawn))
-    return context_fail(context, CSM_ERROR_INVALID_STATE, "no mask has been resolved yet");
-  const bool wants_mask = info->source == CSM_READ_MASK;
-  *out = (source){.image = wants_mask ? mask->mask : mask->depth,
-                  .format = wants_mask ? GPU_FORMAT_R8_UNORM : GPU_FORMAT_D32_FLOAT,
-                  .image_width = mask->width,
-                  .image_height = mask->height,
-                  .part = {.width = mask->width, .height = mask->height}};
+    return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_read_info: there is no source %u", info->source);
+  if (map ? !info->cascades : !info->view)
+    return host_fail(host, CSM_ERROR_NULL_POINTER, "csm_read_info: %s is NULL", map ? "cascades" : "view");
+  if (map ? !cascades_known(context, info->cascades) : !view_known(context, info->view))
+    return host_fail(host, CSM_ERROR_INVALID_HANDLE, "csm_read_info: %s is none of this context",
+                     map ? "cascades" : "view");
+  if (map && info->cascade >= info->cascades->config.cascade_count)
+    return host_fail(host, CSM_ERROR_INVALID_INDEX, "csm_read_info: cascade %u of %u", info->cascade,
+                     info->cascades->config.cascade_count);
   return CSM_SUCCESS;
+}
+
+static csm_result find_source(csm_context *context, const csm_read_info *info, technique_image *out) {
+  csm_result result = check_owner(context, info);
+  if (result)
+    return result;
+  const bool map = info->source == CSM_READ_MAP;
+  result = map ? cascades_drawn(info->cascades) : CSM_SUCCESS;
+  if (result)
+    return result;
+  result = technique_set_find(map ? &info->cascades->techniques : &info->view->techniques, info->source,
+                              info->cascade, out);
+  return result ? host_fail(&context->host, CSM_ERROR_INVALID_STATE, "no mask has been resolved yet") : CSM_SUCCESS;
 }
 
 static float texel(const unsigned char *from, gpu_format format) {
@@ -57,7 +47,7 @@ static float texel(const unsigned char *from, gpu_format format) {
   }
 }
 
-static void unpack(const source *from, const unsigned char *rows, uint32_t row_bytes, float *out) {
+static void unpack(const technique_image *from, const unsigned char *rows, uint32_t row_bytes, float *out) {
   const uint32_t bytes = gpu_format_bytes(from->format);
   for (uint32_t y = 0; y < from->part.height; ++y) {
     const unsigned char *row = rows + (size_t)(from->part.y + y) * row_bytes + (size_t)from->part.x * bytes;
@@ -66,8 +56,8 @@ static void unpack(const source *from, const unsigned char *rows, uint32_t row_b
   }
 }
 
-static csm_result copy_out(device *device, const source *from, float *data) {
-  const gpu_region whole = {.layer = from->layer, .width = from->image_width, .height = from->image_height};
+static csm_result copy_out(device *device, const technique_image *from, float *data) {
+  const gpu_region whole = {.layer = from->layer, .width = from->width, .height = from->height};
   const uint32_t row_bytes = device_row_bytes(whole.width, from->format);
   const uint64_t size = (uint64_t)row_bytes * whole.height;
   gpu_buffer *buffer;
@@ -80,36 +70,39 @@ static csm_result copy_out(device *device, const source *from, float *data) {
   if (!result)
     result = recording_begin(device, NULL);
   if (!result) {
-    device->gpu.api->copy_image(device->gpu.device, buffer, 0, row_bytes, from->image, &whole);
+    /* Whole, for Direct3D 12 does not copy parts of depth. */
+    gpu_copy_image(device->gpu, buffer, 0, row_bytes, from->image, &whole);
     result = recording_end(device);
   }
   if (!result)
     result = recording_finish(device);
   if (!result)
-    unpack(from, device->gpu.api->buffer_memory(buffer), row_bytes, data);
+    unpack(from, gpu_buffer_memory(device->gpu, buffer), row_bytes, data);
   device_buffer_free(device, buffer, size);
   return result;
 }
 
-csm_result CSM_CALL csm_read(csm_cascades *cascades, const csm_read_info *in) {
-  csm_result result = cascades_usable(cascades);
-  if (result)
-    return result;
-  csm_context *context = cascades->context;
+csm_result CSM_CALL csm_read(csm_context *context, const csm_read_info *in) {
+  if (!context)
+    return CSM_ERROR_NULL_POINTER;
+  host *host = &context->host;
+  device *device = context_device(context);
   csm_read_info info;
-  source from = {0};
-  result = context_check_struct(context, struct_read(&info, sizeof info, in), "csm_read_info");
-  if (!result && !context->device->own)
-    result = context_fail(context, CSM_ERROR_UNSUPPORTED, "csm_read needs an own device: it submits and waits");
+  technique_image from = {0};
+  csm_result result = context_usable(context);
   if (!result)
-    result = find_source(cascades, &info, &from);
+    result = host_check_struct(host, struct_read(&info, sizeof info, in), "csm_read_info");
+  if (!result && !device->own)
+    result = host_fail(host, CSM_ERROR_UNSUPPORTED, "csm_read needs an own device: it submits and waits");
+  if (!result)
+    result = find_source(context, &info, &from);
   if (result)
     return result;
   const uint64_t size = (uint64_t)from.part.width * from.part.height * sizeof(float);
   if (!info.data)
-    return context_fail(context, CSM_ERROR_NULL_POINTER, "csm_read_info: data is NULL");
+    return host_fail(host, CSM_ERROR_NULL_POINTER, "csm_read_info: data is NULL");
   if (info.size != size)
-    return context_fail(context, CSM_ERROR_INVALID_VALUE, "csm_read_info: size is %llu, not %llu",
-                        (unsigned long long)info.size, (unsigned long long)size);
-  return copy_out(context->device, &from, info.data);
+    return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_read_info: size is %llu, not %llu",
+                     (unsigned long long)info.size, (unsigned long long)size);
+  return copy_out(device, &from, info.data);
 }

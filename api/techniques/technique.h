@@ -56,6 +56,11 @@ typedef struct technique_run {
   technique_picture *picture;       /* likewise */
 } technique_run;
 
+/* What a recording took on the CPU, waiting for the device left out. */
+typedef struct technique_times {
+  double write_ms, record_ms;
+} technique_times;
+
 /* An image that csm_read may read a part of. */
 typedef struct technique_image {
   gpu_image *image;
@@ -122,7 +127,7 @@ void technique_set_drop(technique_set *set, device *device);
 
 /* Reserves, writes and records what the configuration asks for, of the view's techniques if there is a view, else of
    the cascades'. After an error everything is as it was, or the device is lost. */
-csm_result technique_run_record(technique_run *run, double *written_ms);
+csm_result technique_run_record(technique_run *run, technique_times *times);
 
 void technique_set_bind(const technique_set *set, device *device, csm_binding *binding);
 void technique_set_tell(const technique_set *set, const device *device, csm_stats *stats);

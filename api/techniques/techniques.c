@@ -121,7 +121,18 @@ static csm_result reserve(technique_run *run, const running *all) {
   return result;
 }
 
-csm_result technique_run_record(technique_run *run, double *written_ms) {
+static csm_result record(technique_run *run, const running *all) {
+  const csm_result result = recording_begin(run->device, run->frame->command_buffer);
+  if (result)
+    return result;
+  for (uint32_t i = 0; i < all->count; ++i)
+    all->techniques[i]->adopt(all->states[i], run->device);
+  for (uint32_t i = 0; i < all->count; ++i)
+    all->techniques[i]->record(all->states[i], run);
+  return recording_end(run->device);
+}
+
+csm_result technique_run_record(technique_run *run, technique_times *times) {
   running all;
   choose(&all, run);
   csm_result result = reserve(run, &all);
@@ -129,19 +140,14 @@ csm_result technique_run_record(technique_run *run, double *written_ms) {
   for (uint32_t i = 0; i < all.count && !result; ++i)
     if (all.techniques[i]->write)
       all.techniques[i]->write(all.states[i], run);
-  *written_ms = clock_ms() - reserved_ms;
+  const double written_ms = clock_ms();
   if (!result)
-    result = recording_begin(run->device, run->frame->command_buffer);
-  if (result) {
+    result = record(run, &all);
+  if (result) /* what was adopted already stays: the device is lost then */
     for (uint32_t i = 0; i < all.count; ++i)
       all.techniques[i]->forget(all.states[i], run->device);
-    return result;
-  }
-  for (uint32_t i = 0; i < all.count; ++i)
-    all.techniques[i]->adopt(all.states[i], run->device);
-  for (uint32_t i = 0; i < all.count; ++i)
-    all.techniques[i]->record(all.states[i], run);
-  return recording_end(run->device);
+  *times = (technique_times){.write_ms = written_ms - reserved_ms, .record_ms = clock_ms() - written_ms};
+  return result;
 }
 
 /* ---- what came of it ---- */
