@@ -49,13 +49,21 @@ typedef struct mesh_place {
   gpu_bindings *alpha_mask;   /* of an alpha-tested mesh, else NULL */
 } mesh_place;
 
-/* By the mesh's index. */
+/* See uploads.h. */
+typedef struct uploads {
+  struct upload *items;
+  uint32_t count, capacity;
+  struct staging *filling; /* that the items lie in, newest first */
+  struct staging *idle;    /* that frames are done with */
+  uint32_t idle_count;
+} uploads;
+
+/* Arrays are by the mesh's index. */
 typedef struct geometry {
-  struct geometry_page *pages;
-  struct geometry_staging *staging; /* newest first */
-  struct geometry_upload *uploads;  /* not yet recorded */
-  struct geometry_place **places;   /* where each mesh lies; NULL: nowhere */
-  mesh_place *meshes;               /* as draws want them */
+  struct page *pages;
+  uploads uploads;
+  struct geometry_place **places; /* where each mesh lies; NULL: nowhere */
+  mesh_place *meshes;             /* as draws want them */
   uint32_t capacity;
   uint64_t bytes;
 } geometry;

@@ -20,6 +20,14 @@ csm_result geometry_reserve(device *device, uint32_t capacity);
  */
 csm_result geometry_add(device *device, uint32_t index, const csm_mesh_info *info, const double *offset,
                         const mesh_cut_out *cut_out);
+/*
+ * Gives a copied mesh other positions, less another offset. Frames that were recorded before draw what they had: the
+ * next recording copies them, in the queue's order. Errors: those of device_buffer, OUT_OF_MEMORY.
+ */
+csm_result geometry_update(device *device, uint32_t index, const csm_mesh_update_info *info, uint32_t vertex_count,
+                           const double *offset);
+/* Whether a mesh lies in an engine's own buffers. */
+bool geometry_is_engines(const device *device, uint32_t index);
 /* Frees a place once the GPU is done with it. */
 void geometry_remove(device *device, uint32_t index);
 

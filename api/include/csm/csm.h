@@ -294,7 +294,8 @@ CSM_API csm_result CSM_CALL csm_scene_destroy(csm_scene *scene);
 typedef struct csm_scene_batch {
   uint32_t struct_size;
   uint32_t count;
-  csm_instance_id *ids;          /* csm_scene_add: receives them; else: which instances, each once */
+  csm_instance_id *ids;          /* csm_scene_add: receives them; else: which instances; of one that comes twice
+                                    the last stays */
   const csm_instance *instances; /* all of one struct_size; csm_scene_move: NULL */
   const double *matrices;        /* count times 16: object to world, column-major */
   const float *rows;             /* count times 12: object to world relative to `origin`, three rows of four */
