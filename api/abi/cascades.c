@@ -51,9 +51,6 @@ static csm_result allocate_cascades(csm_context *context, const csm_config *conf
     return CSM_ERROR_OUT_OF_MEMORY;
   cascades->context = context;
   cascades->config = *config;
-  const instances_memory memory = {.allocate = host->allocate, .release = host->release, .user = host->user};
-  for (int i = 0; i < 2; ++i)
-    instances_begin(&cascades->plans[i].list, &memory, handles_key(&cascades->plans[i], 0));
   csm_result result = technique_set_begin_cascades(&cascades->techniques, host);
   if (!result)
     result = technique_set_make(&cascades->techniques, context_device(context), config);

@@ -73,12 +73,9 @@ static csm_context *allocate_context(const csm_create_info *info) {
   if (!context)
     return NULL;
   context->host = own;
-  const uint64_t key = handles_key(context, (uint64_t)(clock_ms() * 1e6));
-  assets_begin(&context->assets, &context->host, key);
+  assets_begin(&context->assets, &context->host, handles_key(context, (uint64_t)(clock_ms() * 1e6)));
   context->assets.supply = info->supply;
   context->assets.keep_geometry = info->flags & CSM_CREATE_KEEP_GEOMETRY;
-  const instances_memory memory = {.allocate = own.allocate, .release = own.release, .user = own.user};
-  instances_begin(&context->list, &memory, key);
   return context;
 }
 

@@ -24,7 +24,7 @@ static void change_device(csm_context *context, opened *fresh) {
   for (csm_view *v = context->views; v; v = v->next)
     technique_set_drop(&v->techniques, old->device);
   context->opened = fresh;
-  context->assets.device = fresh->device;
+  assets_moved(&context->assets, fresh->device);
   if (old->device->own || old->device->lost) {
     context_close(context, old);
   } else {
