@@ -15,7 +15,7 @@ static void put_none(plan_light_block *block, uint32_t at) {
 static void put_box(plan_light_block *block, const double basis[9], const plan_scene *scene, uint32_t slot) {
   const plan_instance *instance = &scene->instances[slot];
   const uint32_t at = slot % PLAN_BLOCK;
-  if (!plan_draws(instance, PLAN_RECEIVES_ONLY)) {
+  if (!plan_casts(instance)) {
     put_none(block, at);
     return;
   }

@@ -7,7 +7,8 @@ void plan_scene_bounds(plan_scene_box *out, const double basis[9], const plan_sc
   double low[3] = {PLAN_LARGEST, PLAN_LARGEST, PLAN_LARGEST}, high[3] = {-PLAN_LARGEST, -PLAN_LARGEST, -PLAN_LARGEST};
   bool any = false;
   for (uint32_t slot = 0; slot < scene->slot_count; ++slot) {
-    if (!plan_draws(&scene->instances[slot], 0))
+    const plan_instance *instance = &scene->instances[slot];
+    if (!plan_casts(instance) && !plan_receives(instance))
       continue;
     const plan_box *box = &scene->boxes[slot];
     any = true;
@@ -128,7 +129,7 @@ void plan_cull_view(plan_lists *lists, const plan_camera *camera, const plan_sce
   lists->among = scene->receiver_count;
   for (uint32_t slot = 0; slot < scene->slot_count; ++slot) {
     const plan_instance *instance = &scene->instances[slot];
-    if (!plan_draws(instance, PLAN_CASTS_ONLY))
+    if (!plan_receives(instance))
       continue;
     plan_placed box;
     plan_place(&box, instance, &scene->meshes[instance->mesh]);

@@ -56,11 +56,6 @@ static inline double plan_reach(const plan_placed *box, const double direction[3
          fabs(plan_dot(box->axes[2], direction));
 }
 
-/* Whether a light or a view draws an instance at all; `without` is the flag that takes it out. */
-static inline bool plan_draws(const plan_instance *instance, uint32_t without) {
-  return !(instance->flags & (PLAN_HIDDEN | PLAN_FREE | PLAN_DEGENERATE | without));
-}
-
 /* ---- camera ---- */
 /* The view z that lies before the camera: 1 or -1. */
 double plan_view_side(const plan_camera *camera);

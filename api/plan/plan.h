@@ -105,6 +105,14 @@ typedef struct plan_instance {
   uint32_t layers;      /* bits that a light's must meet; 0: all */
 } plan_instance;
 
+static inline bool plan_casts(const plan_instance *instance) {
+  return !(instance->flags & (PLAN_RECEIVES_ONLY | PLAN_HIDDEN | PLAN_FREE | PLAN_DEGENERATE));
+}
+
+static inline bool plan_receives(const plan_instance *instance) {
+  return !(instance->flags & (PLAN_CASTS_ONLY | PLAN_HIDDEN | PLAN_FREE | PLAN_DEGENERATE));
+}
+
 /* A box in the world, axis by axis. */
 typedef struct plan_box {
   double low[3], high[3];
@@ -119,7 +127,7 @@ typedef struct plan_scene {
   const plan_box *boxes;          /* by slot, around what its mesh fills; unused where PLAN_FREE */
   const uint64_t *revisions;      /* by slot: after the slot's last change */
   uint32_t slot_count;
-  uint32_t caster_count, receiver_count; /* instances that are not hidden, and cast, or receive */
+  uint32_t caster_count, receiver_count; /* of plan_casts, of plan_receives */
   const plan_bounds *meshes;
   uint32_t mesh_count;
   uint64_t identity; /* of what the instances belong to; 0: revisions say nothing, and nothing is kept */

@@ -92,7 +92,7 @@ uint32_t plan_write_constants(float *out, const plan_frame *frame, const csm_con
   put_filter(out, config);
   put(out, CSM_C_MODES, config->selection, plan_filter_radius_texels(config), config->out_of_range, config->blend_mode);
   const double fade = config->fade_share * end;
-  put(out, CSM_C_BAND, config->blend_share, end - fade, fade > 0.0 ? 1.0 / fade : 0.0,
+  put(out, CSM_C_BAND, config->blend_share, end - fade, fade > 1e-30 ? 1.0 / fade : 0.0,
       frame->cascades[0].info.near_depth);
   return CSM_C_COUNT * 4 * sizeof(float);
 }

@@ -2,11 +2,26 @@
 
 #include <string.h>
 
-/* A handle: the generation above, then the kind's bit, then the index counted from 1, so that 0 is none. */
+/*
+ * A handle: the generation above, then the kind's bit, then the index counted from 1, all of it scrambled by the key.
+ * The key is even where the generation is odd, so no handle comes out as 0.
+ */
 enum { KIND_BIT = 31 };
 
+/* The last step of splitmix64, which spreads every bit over all. */
+static uint64_t mix(uint64_t value) {
+  value = (value ^ value >> 30) * 0xbf58476d1ce4e5b9u;
+  value = (value ^ value >> 27) * 0x94d049bb133111ebu;
+  return value ^ value >> 31;
+}
+
+uint64_t handles_key(const void *owner, uint64_t clock) {
+  const uint64_t key = mix(mix((uint64_t)(uintptr_t)owner) + clock);
+  return key & ~((uint64_t)1 << 32);
+}
+
 uint32_t handles_find(const handle_table *table, uint64_t handle) {
-  const uint32_t index = ((uint32_t)handle & ~(1u << KIND_BIT)) - 1;
+  const uint32_t index = ((uint32_t)(handle ^ table->key) & ~(1u << KIND_BIT)) - 1;
   const bool known = index < table->count && handles_live(table, index) && handles_at(table, index) == handle;
   return known ? index : UINT32_MAX;
 }
@@ -16,7 +31,8 @@ bool handles_live(const handle_table *table, uint32_t index) {
 }
 
 uint64_t handles_at(const handle_table *table, uint32_t index) {
-  return (uint64_t)table->places[index].generation << 32 | table->kind << KIND_BIT | (index + 1);
+  const uint64_t plain = (uint64_t)table->places[index].generation << 32 | table->kind << KIND_BIT | (index + 1);
+  return plain ^ table->key;
 }
 
 uint32_t handles_next(const handle_table *table) {

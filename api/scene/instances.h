@@ -55,15 +55,16 @@ typedef struct instances_error {
 typedef struct instances {
   instances_memory memory;
   handle_table ids;
-  bool refilled; /* by instances_replace: it counts no users, and tells no changes */
+  bool refilled; /* by instances_replace: it has no ids, counts no users, and tells no changes */
+  void *block;   /* that the arrays lie in, all of the ids' capacity, a power of two */
   plan_instance *slots;
   plan_box *boxes;
-  uint64_t *revisions;
-  uint32_t *journal; /* of the capacity */
+  uint64_t *revisions; /* by slot: after its last change */
+  uint32_t *stamps;    /* by slot: the last removal that named it */
+  uint32_t *journal;   /* the slots of the last changes */
   uint64_t revision, journal_from;
   uint32_t live, casters, receivers;
-  uint32_t changed; /* in the last batch */
-  uint32_t *stamps; /* by slot: the last batch that named it */
+  uint32_t changed; /* by the last batch */
   uint32_t stamp;
 } instances;
 
@@ -81,7 +82,10 @@ void instances_end(instances *store, const instances_meshes *meshes);
 /* Gives each instance an id, in the batch's order. */
 csm_result instances_add(instances *store, const instances_meshes *meshes, const instances_batch *batch, uint64_t *ids,
                          instances_error *error);
-/* Changes what the batch has; an id may come twice, and the last one stays. Moving is a batch of transforms alone. */
+/*
+ * Changes what the batch has; an id may come twice, and the last one stays. Moving is a batch of transforms alone. What
+ * comes out as it was does not count as changed.
+ */
 csm_result instances_change(instances *store, const instances_meshes *meshes, const instances_batch *batch,
                             instances_error *error);
 /* Only count and ids are read. */

@@ -20,14 +20,14 @@ static void is_listed(const plan_list *list, uint32_t instance_count, bool *list
   }
 }
 
-/* Ordered by mesh, then by index; a draw for each mesh; nothing left over. */
+/* Ordered by mesh, then by side, then by slot; a draw for each mesh and side; nothing left over. */
 static void check_list(const plan_list *list, const plan_scene *scene) {
   uint32_t next = 0;
   for (uint32_t d = 0; d < list->draw_count; ++d) {
     const plan_draw *draw = &list->draws[d];
     assert_int_equal(draw->first, next);
     assert_true(draw->count > 0);
-    assert_true(d == 0 || draw->mesh > draw[-1].mesh);
+    assert_true(d == 0 || draw->mesh * 2 + draw->mirrored > draw[-1].mesh * 2 + draw[-1].mirrored);
     for (uint32_t i = 0; i < draw->count; ++i) {
       assert_int_equal(scene->instances[list->instances[next + i]].mesh, draw->mesh);
       assert_true(i == 0 || list->instances[next + i] > list->instances[next + i - 1]);
@@ -45,7 +45,7 @@ static culled_frame make_frame(random_state *random, test_scene *scene, const cs
   random_unit(random, made.light);
   camera_matrices(&made.camera, view, projection);
   scene_scatter(scene, random, made.camera.eye, random_scale(random, 1.0, 2000.0));
-  if (plan_made(&made.frame, config, view, projection, camera_reversed(&camera), made.light, &scene->scene,
+  if (plan_made(&made.frame, config, view, projection, camera_reversed(&made.camera), made.light, &scene->scene,
                 scene->memory, &error))
     fail_msg("%s", error);
   return made;

@@ -27,7 +27,7 @@ static void plan_camera_of(plan_camera *out, const test_camera *camera) {
   double view[16], projection[16];
   const char *error = "";
   camera_matrices(camera, view, projection);
-  if (plan_camera_make(out, view, projection, camera_reversed(&camera), &error))
+  if (plan_camera_make(out, view, projection, camera_reversed(camera), &error))
     fail_msg("%s", error);
 }
 

@@ -45,7 +45,7 @@ static void replan(planned *out, const test_scene *scene, const double light[3])
   double view[16], projection[16];
   const char *error = "";
   camera_matrices(&out->camera, view, projection);
-  if (plan_made(&out->frame, &out->config, view, projection, camera_reversed(&camera), light, &scene->scene,
+  if (plan_made(&out->frame, &out->config, view, projection, camera_reversed(&out->camera), light, &scene->scene,
                 scene->memory, &error))
     fail_msg("%s", error);
 }
