@@ -1,6 +1,6 @@
 /* program.c: pipelines with their root signatures, and what they read. Root parameters: a constant buffer each for b0
    and on, then one table with t0 and on; samplers are static. */
-#include "d3d12.h"
+#include "internal.h"
 
 static D3D12_STATIC_SAMPLER_DESC static_sampler(gpu_sampler sampler, uint32_t shader_register) {
   static const D3D12_FILTER filters[] = {
@@ -23,9 +23,8 @@ static D3D12_STATIC_SAMPLER_DESC static_sampler(gpu_sampler sampler, uint32_t sh
 }
 
 static HRESULT serialize(const gpu_device *device, const D3D12_ROOT_SIGNATURE_DESC *signature, ID3DBlob **out) {
-  const D3D_ROOT_SIGNATURE_VERSION version = D3D_ROOT_SIGNATURE_VERSION_1_0;
-  return device->serialize ? device->serialize(signature, version, out, NULL)
-                           : device->driver.serialize_root_signature(signature, version, out, NULL);
+  return device->own ? d3d12_runtime_serialize(device->runtime, signature, out)
+                     : device->serialize(signature, D3D_ROOT_SIGNATURE_VERSION_1_0, out, NULL);
 }
 
 static HRESULT create_signature(gpu_device *device, const gpu_program_info *info, ID3D12RootSignature **out) {
@@ -61,7 +60,7 @@ static HRESULT create_signature(gpu_device *device, const gpu_program_info *info
   HRESULT hr = serialize(device, &signature, &blob);
   if (FAILED(hr))
     return hr;
-  hr = ID3D12Device_CreateRootSignature(device->device, 0, ID3D10Blob_GetBufferPointer(blob),
+  hr = ID3D12Device_CreateRootSignature(device->handle, 0, ID3D10Blob_GetBufferPointer(blob),
                                         ID3D10Blob_GetBufferSize(blob), &IID_ID3D12RootSignature, (void **)out);
   ID3D10Blob_Release(blob);
   return hr;
@@ -142,12 +141,12 @@ static HRESULT create_pipeline(gpu_device *device, const gpu_program_info *info,
       .DSVFormat = d3d12_format(info->depth_format),
       .SampleDesc = {.Count = 1},
   };
-  return ID3D12Device_CreateGraphicsPipelineState(device->device, &pipeline, &IID_ID3D12PipelineState, (void **)out);
+  return ID3D12Device_CreateGraphicsPipelineState(device->handle, &pipeline, &IID_ID3D12PipelineState, (void **)out);
 }
 
 csm_result d3d12_program_create(gpu_device *device, const gpu_program_info *info, gpu_program **out) {
   *out = NULL;
-  gpu_program *program = d3d12_new(&device->host, sizeof *program);
+  gpu_program *program = d3d12_allocate(device, sizeof *program);
   if (!program)
     return CSM_ERROR_OUT_OF_MEMORY;
   program->constants_count = info->constants_count;
@@ -162,7 +161,7 @@ csm_result d3d12_program_create(gpu_device *device, const gpu_program_info *info
     d3d12_program_destroy(device, program);
     return d3d12_check(device, hr, "making a program");
   }
-  d3d12_name((ID3D12Object *)program->pipeline, info->name);
+  d3d12_name(program->pipeline, info->name);
   *out = program;
   return CSM_SUCCESS;
 }
@@ -170,11 +169,26 @@ csm_result d3d12_program_create(gpu_device *device, const gpu_program_info *info
 void d3d12_program_destroy(gpu_device *device, gpu_program *program) {
   if (!program)
     return;
-  if (program->pipeline)
-    ID3D12PipelineState_Release(program->pipeline);
-  if (program->signature)
-    ID3D12RootSignature_Release(program->signature);
-  device->host.release(device->host.user, program);
+  d3d12_unref(program->pipeline);
+  d3d12_unref(program->signature);
+  d3d12_release(device, program);
+}
+
+/* ---- bindings ---- */
+
+csm_result d3d12_descriptors_create(gpu_device *device) {
+  const D3D12_DESCRIPTOR_HEAP_DESC heap = {.Type = D3D12_DESCRIPTOR_HEAP_TYPE_CBV_SRV_UAV,
+                                           .NumDescriptors = D3D12_BINDING_BLOCKS * GPU_MAX_TEXTURES,
+                                           .Flags = D3D12_DESCRIPTOR_HEAP_FLAG_SHADER_VISIBLE};
+  device->descriptor_size =
+      ID3D12Device_GetDescriptorHandleIncrementSize(device->handle, D3D12_DESCRIPTOR_HEAP_TYPE_CBV_SRV_UAV);
+  device->free_block_count = D3D12_BINDING_BLOCKS;
+  for (uint32_t i = 0; i < D3D12_BINDING_BLOCKS; i++)
+    device->free_blocks[i] = (uint16_t)(D3D12_BINDING_BLOCKS - 1 - i);
+  return d3d12_check(device,
+                     ID3D12Device_CreateDescriptorHeap(device->handle, &heap, &IID_ID3D12DescriptorHeap,
+                                                       (void **)&device->descriptors),
+                     "CreateDescriptorHeap");
 }
 
 void d3d12_bindings_write(gpu_device *device, gpu_bindings *bindings, const gpu_bindings_info *info) {
@@ -194,7 +208,7 @@ csm_result d3d12_bindings_create(gpu_device *device, const gpu_bindings_info *in
   const uint32_t texture_count = info->program->texture_count;
   if (texture_count && device->free_block_count == 0)
     return CSM_ERROR_OUT_OF_DEVICE_MEMORY;
-  gpu_bindings *bindings = d3d12_new(&device->host, sizeof *bindings);
+  gpu_bindings *bindings = d3d12_allocate(device, sizeof *bindings);
   if (!bindings)
     return CSM_ERROR_OUT_OF_MEMORY;
   bindings->constants_count = info->program->constants_count;
@@ -214,5 +228,5 @@ void d3d12_bindings_destroy(gpu_device *device, gpu_bindings *bindings) {
     return;
   if (bindings->has_textures)
     device->free_blocks[device->free_block_count++] = (uint16_t)bindings->block;
-  device->host.release(device->host.user, bindings);
+  d3d12_release(device, bindings);
 }

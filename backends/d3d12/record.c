@@ -5,7 +5,9 @@
  * state that holds whether or not the next recording is in the same list. Draws promote them out of it, without a
  * barrier; vkd3d knows neither decay nor promotion, but the barriers that bring a buffer back order what follows.
  */
-#include "d3d12.h"
+#include "internal.h"
+
+#include <string.h>
 
 static void flush_barriers(gpu_device *device) {
   if (device->barrier_count)
@@ -47,42 +49,14 @@ static void use_image(gpu_device *device, gpu_image *image, D3D12_RESOURCE_STATE
   transition(device, &image->resource, state);
 }
 
-static csm_result begin_own(gpu_device *device, uint32_t slot) {
-  const csm_result result = d3d12_wait(device, slot);
-  if (result != CSM_SUCCESS)
-    return result;
-  ID3D12CommandAllocator *allocator = device->slots[slot].allocator;
-  HRESULT hr = ID3D12CommandAllocator_Reset(allocator);
-  if (SUCCEEDED(hr))
-    hr = ID3D12GraphicsCommandList_Reset(device->own_list, allocator, NULL);
-  device->list = device->own_list;
-  return d3d12_check(device, hr, "beginning a recording");
-}
-
-static csm_result begin_engine(gpu_device *device, ID3D12GraphicsCommandList *list) {
-  if (ID3D12GraphicsCommandList_GetType(list) != D3D12_COMMAND_LIST_TYPE_DIRECT) {
-    d3d12_log(&device->host, CSM_LOG_ERROR, "d3d12: the command list is not a direct one");
-    return CSM_ERROR_INVALID_VALUE;
-  }
-  device->list = list;
-  return d3d12_check(device, ID3D12Device_GetDeviceRemovedReason(device->device), "beginning a recording");
-}
-
-csm_result d3d12_begin(gpu_device *device, const gpu_record_info *info) {
-  device->slot = info->slot;
-  device->timestamps_begin = device->timestamps_end = 0;
-  device->descriptors_set = false;
-  return device->queue ? begin_own(device, info->slot) : begin_engine(device, info->native);
-}
-
-/* vkd3d's event markers do nothing but print a line for every call, so there are none. */
 void d3d12_marker_begin(gpu_device *device, const char *name) {
-  (void)device;
-  (void)name;
+  if (device->traits->markers)
+    ID3D12GraphicsCommandList_BeginEvent(device->list, 1, name, (UINT)strlen(name) + 1);
 }
 
 void d3d12_marker_end(gpu_device *device) {
-  (void)device;
+  if (device->traits->markers)
+    ID3D12GraphicsCommandList_EndEvent(device->list);
 }
 
 void d3d12_timestamp(gpu_device *device, uint32_t index) {
@@ -95,15 +69,15 @@ void d3d12_timestamp(gpu_device *device, uint32_t index) {
 }
 
 /*
- * Makes a range of a buffer the next copy's destination. vkd3d does not order two copies into one place by itself: they
- * get a way through another state between them. Readback buffers never leave theirs; a barrier from it to itself, which
- * only vkd3d allows, is one between two writes. An engine's device has no readback buffers.
+ * Makes a range of a buffer the next copy's destination. Two copies into one place get a way through another state
+ * between them, which orders them everywhere. Readback buffers never leave theirs, so there the run time may want a
+ * barrier from it to itself.
  */
 static void use_copy_destination(gpu_device *device, gpu_buffer *buffer, uint64_t begin, uint64_t size) {
   const uint64_t end = begin + size;
   const bool overlaps = begin < buffer->copied_end && buffer->copied_begin < end;
   d3d12_resource *resource = &buffer->resource;
-  if (buffer->kind == GPU_BUFFER_READBACK && overlaps)
+  if (buffer->kind == GPU_BUFFER_READBACK && overlaps && device->traits->self_barriers)
     barrier(device, resource, resource->state, resource->state);
   if (buffer->kind == GPU_BUFFER_DEVICE && overlaps)
     transition(device, resource, D3D12_STATE_GEOMETRY);
@@ -185,8 +159,7 @@ void d3d12_copy_to_image(gpu_device *device, gpu_image *to, gpu_buffer *from, ui
 /*
  * Clears by copies of the few rows in `fill`, which stay in the cache: 4 maps of 2048 x 2048 take 2.1 ms on lavapipe,
  * where vkd3d's ClearDepthStencilView, a render pass that loads with a clear, takes 5 to 8 ms, with one view of all
- * layers or one of each. On a GPU that view is the cheap way, for it keeps depth compressed. Copies into a part of a
- * layer of depths are vkd3d's to allow, which is what draws on a CPU; Direct3D 12 itself has none.
+ * layers or one of each. On a GPU that view is the cheap way, for it keeps depth compressed.
  */
 static void fill_layer(gpu_device *device, gpu_image *image, uint32_t layer, uint32_t part) {
   const uint32_t row_bytes = (image->info.width * gpu_format_bytes(image->info.format) + 255) & ~255u;
@@ -361,7 +334,7 @@ void d3d12_make_readable(gpu_device *device, gpu_image *image) {
 }
 
 /* Brings everything back to rest, and makes what was copied readable on the way. */
-static void rest(gpu_device *device) {
+void d3d12_rest(gpu_device *device) {
   settle_buffers(device);
   flush_barriers(device);
   for (d3d12_resource *resource = device->touched, *next; resource; resource = next) {
@@ -371,43 +344,4 @@ static void rest(gpu_device *device) {
   }
   device->touched = NULL;
   flush_barriers(device);
-}
-
-/* Timestamps of one recording are neighbours, so those before and after it, which a slot's other recordings take, are
-   left alone. */
-static void resolve_timestamps(gpu_device *device) {
-  const uint32_t first = device->slot * GPU_MAX_TIMESTAMPS + device->timestamps_begin;
-  const uint32_t count = device->timestamps_end - device->timestamps_begin;
-  if (count)
-    ID3D12GraphicsCommandList_ResolveQueryData(device->list, device->queries, D3D12_QUERY_TYPE_TIMESTAMP, first, count,
-                                               device->query_results, first * sizeof(uint64_t));
-}
-
-static csm_result submit(gpu_device *device) {
-  const HRESULT hr = ID3D12GraphicsCommandList_Close(device->list);
-  if (FAILED(hr))
-    return d3d12_check(device, hr, "ending a recording");
-  ID3D12CommandList *const list = (ID3D12CommandList *)device->list;
-  ID3D12CommandQueue_ExecuteCommandLists(device->queue, 1, &list);
-  const csm_result result = d3d12_signal(device);
-  if (result == CSM_SUCCESS)
-    device->slots[device->slot].fence_value = device->fence_value;
-  return result;
-}
-
-csm_result d3d12_end(gpu_device *device) {
-  rest(device);
-  resolve_timestamps(device);
-  return device->queue ? submit(device) : CSM_SUCCESS;
-}
-
-csm_result d3d12_timestamps(gpu_device *device, uint32_t slot, uint32_t first, uint32_t count, uint64_t *nanoseconds) {
-  const csm_result result = device->queue ? d3d12_wait(device, slot) : CSM_SUCCESS;
-  if (result != CSM_SUCCESS)
-    return result;
-  const uint64_t *ticks = device->query_ticks + slot * GPU_MAX_TIMESTAMPS + first;
-  const uint64_t rate = device->ticks_per_second;
-  for (uint32_t i = 0; i < count; ++i)
-    nanoseconds[i] = ticks[i] / rate * 1000000000u + ticks[i] % rate * 1000000000u / rate;
-  return CSM_SUCCESS;
 }

@@ -2,16 +2,13 @@
  * resource.c: buffers, images and targets. Every resource is committed, which takes one allocation of the driver's
  * each: the front makes few and large ones (pages of geometry, a ring per slot, arrays of maps).
  */
-#include "d3d12.h"
+#include "internal.h"
 
-static void release_heap(ID3D12DescriptorHeap *heap) {
-  if (heap)
-    ID3D12DescriptorHeap_Release(heap);
-}
+#include <string.h>
 
 static HRESULT create_view_heap(gpu_device *device, D3D12_DESCRIPTOR_HEAP_TYPE type, ID3D12DescriptorHeap **out) {
   const D3D12_DESCRIPTOR_HEAP_DESC heap = {.Type = type, .NumDescriptors = 1};
-  return ID3D12Device_CreateDescriptorHeap(device->device, &heap, &IID_ID3D12DescriptorHeap, (void **)out);
+  return ID3D12Device_CreateDescriptorHeap(device->handle, &heap, &IID_ID3D12DescriptorHeap, (void **)out);
 }
 
 /* A depth view of `layer_count` layers from `layer` on, in a heap of its own. */
@@ -24,7 +21,7 @@ static HRESULT create_depth_view(gpu_device *device, gpu_image *image, uint32_t 
   };
   const HRESULT hr = create_view_heap(device, D3D12_DESCRIPTOR_HEAP_TYPE_DSV, out);
   if (SUCCEEDED(hr))
-    ID3D12Device_CreateDepthStencilView(device->device, image->resource.handle, &view,
+    ID3D12Device_CreateDepthStencilView(device->handle, image->resource.handle, &view,
                                         ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(*out));
   return hr;
 }
@@ -37,51 +34,9 @@ static HRESULT create_color_view(gpu_device *device, gpu_image *image, uint32_t 
   };
   const HRESULT hr = create_view_heap(device, D3D12_DESCRIPTOR_HEAP_TYPE_RTV, out);
   if (SUCCEEDED(hr))
-    ID3D12Device_CreateRenderTargetView(device->device, image->resource.handle, &view,
+    ID3D12Device_CreateRenderTargetView(device->handle, image->resource.handle, &view,
                                         ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(*out));
   return hr;
-}
-
-DXGI_FORMAT d3d12_format(gpu_format format) {
-  switch (format) {
-  case GPU_FORMAT_D32_FLOAT:
-    return DXGI_FORMAT_D32_FLOAT;
-  case GPU_FORMAT_D16_UNORM:
-    return DXGI_FORMAT_D16_UNORM;
-  case GPU_FORMAT_R8_UNORM:
-    return DXGI_FORMAT_R8_UNORM;
-  case GPU_FORMAT_RG32_FLOAT:
-    return DXGI_FORMAT_R32G32_FLOAT;
-  case GPU_FORMAT_RGB32_FLOAT:
-    return DXGI_FORMAT_R32G32B32_FLOAT;
-  case GPU_FORMAT_RGBA32_FLOAT:
-    return DXGI_FORMAT_R32G32B32A32_FLOAT;
-  case GPU_FORMAT_NONE:
-    break;
-  }
-  return DXGI_FORMAT_UNKNOWN;
-}
-
-DXGI_FORMAT d3d12_resource_format(gpu_format format) {
-  switch (format) {
-  case GPU_FORMAT_D32_FLOAT:
-    return DXGI_FORMAT_R32_TYPELESS;
-  case GPU_FORMAT_D16_UNORM:
-    return DXGI_FORMAT_R16_TYPELESS;
-  default:
-    return d3d12_format(format);
-  }
-}
-
-static DXGI_FORMAT view_format(gpu_format format) {
-  switch (format) {
-  case GPU_FORMAT_D32_FLOAT:
-    return DXGI_FORMAT_R32_FLOAT;
-  case GPU_FORMAT_D16_UNORM:
-    return DXGI_FORMAT_R16_UNORM;
-  default:
-    return d3d12_format(format);
-  }
 }
 
 /* The state that a buffer of each heap begins in; those of upload and readback heaps stay in it. */
@@ -125,7 +80,7 @@ static D3D12_HEAP_TYPE heap_type(gpu_buffer_kind kind) {
 
 csm_result d3d12_buffer_create(gpu_device *device, const gpu_buffer_info *info, gpu_buffer **out) {
   *out = NULL;
-  gpu_buffer *buffer = d3d12_new(&device->host, sizeof *buffer);
+  gpu_buffer *buffer = d3d12_allocate(device, sizeof *buffer);
   if (!buffer)
     return CSM_ERROR_OUT_OF_MEMORY;
   const D3D12_HEAP_TYPE heap = heap_type(info->kind);
@@ -133,7 +88,7 @@ csm_result d3d12_buffer_create(gpu_device *device, const gpu_buffer_info *info, 
   buffer->size = info->size;
   buffer->resource.state = heap_state(heap);
   buffer->resource.rest = heap_state(heap);
-  HRESULT hr = d3d12_commit_buffer(device->device, heap, info->size, &buffer->resource.handle);
+  HRESULT hr = d3d12_commit_buffer(device->handle, heap, info->size, &buffer->resource.handle);
   if (SUCCEEDED(hr) && info->kind != GPU_BUFFER_DEVICE)
     hr = ID3D12Resource_Map(buffer->resource.handle, 0, NULL, &buffer->memory);
   if (FAILED(hr)) {
@@ -141,7 +96,7 @@ csm_result d3d12_buffer_create(gpu_device *device, const gpu_buffer_info *info, 
     return d3d12_check(device, hr, "making a buffer");
   }
   buffer->address = ID3D12Resource_GetGPUVirtualAddress(buffer->resource.handle);
-  d3d12_name((ID3D12Object *)buffer->resource.handle, info->name);
+  d3d12_name(buffer->resource.handle, info->name);
   *out = buffer;
   return CSM_SUCCESS;
 }
@@ -149,9 +104,8 @@ csm_result d3d12_buffer_create(gpu_device *device, const gpu_buffer_info *info, 
 void d3d12_buffer_destroy(gpu_device *device, gpu_buffer *buffer) {
   if (!buffer)
     return;
-  if (buffer->resource.handle)
-    ID3D12Resource_Release(buffer->resource.handle);
-  device->host.release(device->host.user, buffer);
+  d3d12_unref(buffer->resource.handle);
+  d3d12_release(device, buffer);
 }
 
 void *d3d12_buffer_memory(gpu_buffer *buffer) {
@@ -176,11 +130,11 @@ static HRESULT commit_image(gpu_device *device, gpu_image *image) {
      is used so, not when a descriptor reads it. */
   image->resource.state = depth ? D3D12_RESOURCE_STATE_DEPTH_WRITE : D3D12_RESOURCE_STATE_RENDER_TARGET;
   image->resource.rest = info->usage & GPU_IMAGE_SAMPLED ? D3D12_STATE_READABLE : image->resource.state;
-  image->view_format = view_format(info->format);
+  image->view_format = d3d12_view_format(info->format);
   const D3D12_RESOURCE_ALLOCATION_INFO allocation =
-      ID3D12Device_GetResourceAllocationInfo(device->device, 0, 1, &resource);
+      ID3D12Device_GetResourceAllocationInfo(device->handle, 0, 1, &resource);
   image->bytes = allocation.SizeInBytes;
-  HRESULT hr = ID3D12Device_CreateCommittedResource(device->device, &heap, D3D12_HEAP_FLAG_NONE, &resource,
+  HRESULT hr = ID3D12Device_CreateCommittedResource(device->handle, &heap, D3D12_HEAP_FLAG_NONE, &resource,
                                                     image->resource.state, NULL, &IID_ID3D12Resource,
                                                     (void **)&image->resource.handle);
   if (SUCCEEDED(hr) && depth)
@@ -190,7 +144,7 @@ static HRESULT commit_image(gpu_device *device, gpu_image *image) {
 
 csm_result d3d12_image_create(gpu_device *device, const gpu_image_info *info, gpu_image **out) {
   *out = NULL;
-  gpu_image *image = d3d12_new(&device->host, sizeof *image);
+  gpu_image *image = d3d12_allocate(device, sizeof *image);
   if (!image)
     return CSM_ERROR_OUT_OF_MEMORY;
   image->info = *info;
@@ -199,7 +153,7 @@ csm_result d3d12_image_create(gpu_device *device, const gpu_image_info *info, gp
     d3d12_image_destroy(device, image);
     return d3d12_check(device, hr, "making an image");
   }
-  d3d12_name((ID3D12Object *)image->resource.handle, info->name);
+  d3d12_name(image->resource.handle, info->name);
   *out = image;
   return CSM_SUCCESS;
 }
@@ -207,10 +161,9 @@ csm_result d3d12_image_create(gpu_device *device, const gpu_image_info *info, gp
 void d3d12_image_destroy(gpu_device *device, gpu_image *image) {
   if (!image)
     return;
-  release_heap(image->clear_heap);
-  if (image->resource.handle)
-    ID3D12Resource_Release(image->resource.handle);
-  device->host.release(device->host.user, image);
+  d3d12_unref(image->clear_heap);
+  d3d12_unref(image->resource.handle);
+  d3d12_release(device, image);
 }
 
 uint64_t d3d12_image_bytes(const gpu_image *image) {
@@ -234,13 +187,13 @@ void d3d12_image_describe(gpu_device *device, const gpu_image *image, uint64_t d
     view.ViewDimension = D3D12_SRV_DIMENSION_TEXTURE2D;
     view.Texture2D = (D3D12_TEX2D_SRV){.MipLevels = 1};
   }
-  ID3D12Device_CreateShaderResourceView(device->device, image->resource.handle, &view,
+  ID3D12Device_CreateShaderResourceView(device->handle, image->resource.handle, &view,
                                         (D3D12_CPU_DESCRIPTOR_HANDLE){.ptr = (SIZE_T)descriptor});
 }
 
 csm_result d3d12_target_create(gpu_device *device, const gpu_target_info *info, gpu_target **out) {
   *out = NULL;
-  gpu_target *target = d3d12_new(&device->host, sizeof *target);
+  gpu_target *target = d3d12_allocate(device, sizeof *target);
   if (!target)
     return CSM_ERROR_OUT_OF_MEMORY;
   const gpu_image_info *size = info->depth ? &info->depth->info : &info->color->info;
@@ -264,7 +217,27 @@ csm_result d3d12_target_create(gpu_device *device, const gpu_target_info *info, 
 void d3d12_target_destroy(gpu_device *device, gpu_target *target) {
   if (!target)
     return;
-  release_heap(target->depth_heap);
-  release_heap(target->color_heap);
-  device->host.release(device->host.user, target);
+  d3d12_unref(target->depth_heap);
+  d3d12_unref(target->color_heap);
+  d3d12_release(device, target);
+}
+
+/* ---- what clears by copies ---- */
+
+csm_result d3d12_fill_create(gpu_device *device) {
+  void *memory = NULL;
+  HRESULT hr =
+      d3d12_commit_buffer(device->handle, D3D12_HEAP_TYPE_UPLOAD, D3D12_FILL_PARTS * D3D12_FILL_SIZE, &device->fill);
+  if (SUCCEEDED(hr))
+    hr = ID3D12Resource_Map(device->fill, 0, NULL, &memory);
+  if (FAILED(hr))
+    return d3d12_check(device, hr, "CreateCommittedResource");
+  unsigned char *bytes = memory;
+  float *ones = (float *)(bytes + D3D12_FILL_ONE_D32 * D3D12_FILL_SIZE);
+  memset(bytes + D3D12_FILL_ZERO * D3D12_FILL_SIZE, 0, D3D12_FILL_SIZE);
+  for (uint32_t i = 0; i < D3D12_FILL_SIZE / sizeof *ones; i++)
+    ones[i] = 1;
+  memset(bytes + D3D12_FILL_ONE_D16 * D3D12_FILL_SIZE, 0xff, D3D12_FILL_SIZE);
+  ID3D12Resource_Unmap(device->fill, 0, NULL);
+  return CSM_SUCCESS;
 }

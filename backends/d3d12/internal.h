@@ -1,19 +1,15 @@
 /*
- * d3d12.h: what the files of the D3D12 backend share. Direct3D 12 comes from vkd3d, opened at run time; nothing here
- * is linked with it. Its COM methods use the Microsoft calling convention, which its headers declare.
+ * internal.h: what the files of the D3D12 backend share: Direct3D 12 of feature level 11_0, from a run time that
+ * runtime.h describes.
+ *
+ * A device is opened in two steps: it is obtained (own.c opens it, engine.c takes an engine's), and then used. An
+ * engine's device has no queue here: nothing is submitted, and nothing waited for.
  */
-#ifndef CSM_BACKEND_D3D12_H
-#define CSM_BACKEND_D3D12_H
+#ifndef D3D12_INTERNAL_H
+#define D3D12_INTERNAL_H
 
-#define COBJMACROS
-#define WIDL_C_INLINE_WRAPPERS
-#define VKD3D_NO_PROTOTYPES
-#include <vkd3d.h>
-
-#include "csm/csm.h"
-#include "gpu.h"
-#include <pthread.h>
-#include <stdarg.h>
+#include "../gpu.h"
+#include "runtime.h"
 
 #define D3D12_MAX_SLOTS 8
 #define D3D12_MAX_BARRIERS 16
@@ -30,37 +26,14 @@
 /* The parts of gpu_device.fill: texels of depth 0 in either format, and of depth 1 in each. */
 enum { D3D12_FILL_ZERO, D3D12_FILL_ONE_D32, D3D12_FILL_ONE_D16, D3D12_FILL_PARTS };
 
-/* Makes root signatures: D3D12SerializeRootSignature. */
+/* D3D12SerializeRootSignature. */
 typedef HRESULT(WINAPI *d3d12_serializer)(const D3D12_ROOT_SIGNATURE_DESC *signature,
                                           D3D_ROOT_SIGNATURE_VERSION version, ID3DBlob **blob, ID3DBlob **error);
 
-/* The libraries that an own device comes from, vkd3d's Vulkan instance, and the physical device chosen in it. */
-typedef struct d3d12_driver {
-  void *vulkan_library;
-  void *vkd3d_library;
-  PFN_vkGetInstanceProcAddr get_instance_proc;
-  PFN_vkd3d_create_instance create_instance;
-  PFN_vkd3d_instance_decref release_instance;
-  PFN_vkd3d_instance_get_vk_instance get_vk_instance;
-  PFN_vkd3d_create_device create_device;
-  PFN_vkd3d_serialize_root_signature serialize_root_signature;
-  struct vkd3d_instance *instance;
-  VkInstance vk_instance;
-  VkDebugUtilsMessengerEXT messenger;
-  VkPhysicalDevice physical_device;
-  bool tells_budget; /* VK_EXT_memory_budget */
-} d3d12_driver;
-
-/* What a fence signals from vkd3d's own thread. */
-typedef struct d3d12_event {
-  pthread_mutex_t mutex;
-  pthread_cond_t signaled_changed;
-  bool signaled;
-} d3d12_event;
-
-/* One recording in flight. */
+/* One frame in flight, on an own device. */
 typedef struct d3d12_slot {
   ID3D12CommandAllocator *allocator;
+  ID3D12GraphicsCommandList *list;
   uint64_t fence_value; /* reached when the slot's last recording is done; 0: there was none */
 } d3d12_slot;
 
@@ -125,20 +98,22 @@ typedef struct d3d12_bound {
 
 struct gpu_device {
   gpu_host host;
-  uint32_t slot_count;
+  char *error; /* while the device is being opened: where texts of errors go instead of the log; else NULL */
+  size_t error_size;
 
-  gpu_device_info info;
-  ID3D12Device *device;
-  d3d12_serializer serialize; /* the engine's; NULL on an own device, where the driver's is used */
-
-  /* An own device: where it comes from, its queue (NULL: an engine's), and how it is waited for */
-  d3d12_driver driver;
+  /* obtained by own.c or engine.c */
+  bool own; /* else an engine's */
+  const d3d12_traits *traits;
+  d3d12_runtime *runtime; /* own.c's, as are the queue and its fence */
+  ID3D12Device *handle;
   ID3D12CommandQueue *queue;
   ID3D12Fence *fence;
   uint64_t fence_value;
-  d3d12_event event;
+  d3d12_serializer serialize; /* the engine's */
+
+  gpu_device_info info;
   d3d12_slot slots[D3D12_MAX_SLOTS];
-  ID3D12GraphicsCommandList *own_list;
+  uint32_t slot_count;
 
   /* Shader-visible descriptors: blocks of GPU_MAX_TEXTURES, and a stack of the free ones */
   ID3D12DescriptorHeap *descriptors;
@@ -167,67 +142,47 @@ struct gpu_device {
   d3d12_bound bound;
 };
 
-/* ---- backend.c ---- */
-
-/* Writes the text of a failed opening, and returns `result`. */
-csm_result d3d12_refuse(const gpu_open_info *info, csm_result result, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-/* Sends a text to the host's log. */
-void d3d12_log(const gpu_host *host, int32_t level, const char *format, ...) __attribute__((format(printf, 3, 4)));
-/* What an HRESULT means. */
-csm_result d3d12_result(HRESULT hr);
-/* The same, on a device that may have been lost; a failure to do `what` is logged. */
-csm_result d3d12_check(const gpu_device *device, HRESULT hr, const char *what);
-/* Zeroed memory from the host, or NULL. */
-void *d3d12_new(const gpu_host *host, size_t size);
-/* Names an object for debuggers; NULL is no name. */
-void d3d12_name(ID3D12Object *object, const char *name);
-
-/* ---- driver.c: libraries, instance, physical device ---- */
-
-/* Opens the libraries, makes the instance, chooses a device and describes it to `out`. Errors: NO_DEVICE, DEVICE,
-   OUT_OF_MEMORY; the driver is closed then. */
-csm_result d3d12_driver_open(d3d12_driver *driver, const gpu_open_info *info, gpu_device_info *out);
-void d3d12_driver_close(d3d12_driver *driver);
-/* Bytes that the largest heap of device memory still has for this process, or UINT64_MAX. */
-uint64_t d3d12_driver_memory_available(const d3d12_driver *driver);
-
-/* ---- validation.c ---- */
-
-/* A vkGetInstanceProcAddr whose vkCreateInstance turns the Khronos validation layer on. */
-PFN_vkVoidFunction VKAPI_CALL d3d12_validated_proc(VkInstance instance, const char *name);
-bool d3d12_validation_is_installed(const d3d12_driver *driver);
-/* Sends the layer's messages to the host's log. */
-csm_result d3d12_validation_listen(d3d12_driver *driver, const gpu_host *host);
-void d3d12_validation_close(d3d12_driver *driver);
-
-/* ---- engine.c: what an engine gives ---- */
-
-/* Tells what an engine must bring. */
-void d3d12_requirements(gpu_device_info *out);
-/* Takes a reference to the engine's device and describes it. Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE,
-   UNSUPPORTED; nothing is held then. */
-csm_result d3d12_engine_open(const gpu_open_info *info, ID3D12Device **device, d3d12_serializer *serialize,
-                             gpu_device_info *out);
-/* Ticks a second of the device's queues. Only a queue tells, so one is made to be asked; nothing is submitted to it. */
-HRESULT d3d12_engine_tick_rate(ID3D12Device *device, uint64_t *ticks_per_second);
-csm_result d3d12_image_import(gpu_device *device, const void *native, gpu_image **out, gpu_imported *about);
-csm_result d3d12_geometry_import(gpu_device *device, const void *native, gpu_geometry *out);
-
 /* ---- device.c ---- */
-csm_result d3d12_query(const gpu_open_info *info, gpu_device_info *out);
-csm_result d3d12_open(const gpu_open_info *info, gpu_device **out);
-void d3d12_close(gpu_device *device);
-void d3d12_describe(const gpu_device *device, gpu_device_info *out);
-csm_result d3d12_wait(gpu_device *device, uint32_t slot);
-uint64_t d3d12_memory_available(gpu_device *device);
-/* Puts the next fence value behind what was submitted. */
-csm_result d3d12_signal(gpu_device *device);
-
-/* ---- resource.c ---- */
+void *d3d12_allocate(const gpu_device *device, size_t size); /* zeroed; NULL when out of memory */
+void d3d12_release(const gpu_device *device, void *memory);  /* takes NULL */
+__attribute__((format(printf, 3, 4))) void d3d12_text(char *out, size_t size, const char *format, ...);
+/* Reports an error in words, and returns it. */
+__attribute__((format(printf, 3, 4))) csm_result d3d12_fail(const gpu_device *device, csm_result result,
+                                                            const char *format, ...);
+/* The csm_result of an HRESULT; a failure is reported with the name of the function that failed. */
+csm_result d3d12_check(const gpu_device *device, HRESULT hr, const char *function);
+/* Names an ID3D12Object for debuggers; NULL is no name. */
+void d3d12_name(void *object, const char *name);
+/* Gives up a reference to a COM object; takes NULL. */
+void d3d12_unref(void *object);
 DXGI_FORMAT d3d12_format(gpu_format format);
 /* What a resource is made in, and copied in, so that it may hold depths and be read as well. */
 DXGI_FORMAT d3d12_resource_format(gpu_format format);
+/* As shaders read it. */
+DXGI_FORMAT d3d12_view_format(gpu_format format);
+
+csm_result d3d12_query(const gpu_open_info *info, gpu_device_info *out);
+csm_result d3d12_open(const gpu_open_info *info, gpu_device **out);
+void d3d12_close(gpu_device *device);
+
+/* ---- describe.c: what a device is ---- */
+bool d3d12_has_feature_level(ID3D12Device *handle);
+/* What Direct3D 12 tells of an engine's device. */
+void d3d12_describe_handle(gpu_device *device);
+void d3d12_describe(const gpu_device *device, gpu_device_info *out);
+uint64_t d3d12_memory_available(gpu_device *device);
+
+/* ---- own.c: an own device ---- */
+csm_result d3d12_own_select(gpu_device *device, const gpu_open_info *info); /* run time and adapter */
+csm_result d3d12_own_open(gpu_device *device);                              /* then device, queue and fence */
+void d3d12_own_close(gpu_device *device);                                   /* whatever of it there is */
+
+/* ---- engine.c: an engine's device, images and buffers ---- */
+csm_result d3d12_engine_take(gpu_device *device, const void *native); /* csm_d3d12_device; checks it */
+csm_result d3d12_image_import(gpu_device *device, const void *native, gpu_image **out, gpu_imported *about);
+csm_result d3d12_geometry_import(gpu_device *device, const void *native, gpu_geometry *out);
+
+/* ---- resource.c ---- */
 /* A committed buffer in its heap's state. */
 HRESULT d3d12_commit_buffer(ID3D12Device *device, D3D12_HEAP_TYPE heap, uint64_t size, ID3D12Resource **out);
 csm_result d3d12_buffer_create(gpu_device *device, const gpu_buffer_info *info, gpu_buffer **out);
@@ -241,15 +196,29 @@ void d3d12_image_describe(gpu_device *device, const gpu_image *image, uint64_t d
 csm_result d3d12_target_create(gpu_device *device, const gpu_target_info *info, gpu_target **out);
 void d3d12_target_destroy(gpu_device *device, gpu_target *target);
 
+/* Texels to clear depths by copies with. */
+csm_result d3d12_fill_create(gpu_device *device);
+
 /* ---- program.c ---- */
+csm_result d3d12_descriptors_create(gpu_device *device);
 csm_result d3d12_program_create(gpu_device *device, const gpu_program_info *info, gpu_program **out);
 void d3d12_program_destroy(gpu_device *device, gpu_program *program);
 csm_result d3d12_bindings_create(gpu_device *device, const gpu_bindings_info *info, gpu_bindings **out);
 void d3d12_bindings_write(gpu_device *device, gpu_bindings *bindings, const gpu_bindings_info *info);
 void d3d12_bindings_destroy(gpu_device *device, gpu_bindings *bindings);
 
-/* ---- record.c ---- */
+/* ---- slot.c ---- */
+csm_result d3d12_slot_create(gpu_device *device, d3d12_slot *slot);
+void d3d12_slot_destroy(d3d12_slot *slot);
+csm_result d3d12_queries_create(gpu_device *device);
 csm_result d3d12_begin(gpu_device *device, const gpu_record_info *info);
+csm_result d3d12_end(gpu_device *device);
+csm_result d3d12_wait(gpu_device *device, uint32_t slot);
+csm_result d3d12_timestamps(gpu_device *device, uint32_t slot, uint32_t first, uint32_t count, uint64_t *nanoseconds);
+
+/* ---- record.c ---- */
+/* Brings all that a recording touched back to the states that it rests in. */
+void d3d12_rest(gpu_device *device);
 void d3d12_marker_begin(gpu_device *device, const char *name);
 void d3d12_marker_end(gpu_device *device);
 void d3d12_timestamp(gpu_device *device, uint32_t index);
@@ -267,7 +236,5 @@ void d3d12_pass_bind(gpu_device *device, gpu_bindings *bindings, const uint32_t 
 void d3d12_pass_draw(gpu_device *device, const gpu_draw *draw);
 void d3d12_pass_native(gpu_device *device, gpu_native_pass *out);
 void d3d12_make_readable(gpu_device *device, gpu_image *image);
-csm_result d3d12_end(gpu_device *device);
-csm_result d3d12_timestamps(gpu_device *device, uint32_t slot, uint32_t first, uint32_t count, uint64_t *nanoseconds);
 
 #endif
