@@ -78,23 +78,23 @@ void d3d12_unref(void *object) {
 /* ---- formats ---- */
 
 DXGI_FORMAT d3d12_format(gpu_format format) {
-  switch (format) {
-  case GPU_FORMAT_D32_FLOAT:
-    return DXGI_FORMAT_D32_FLOAT;
-  case GPU_FORMAT_D16_UNORM:
-    return DXGI_FORMAT_D16_UNORM;
-  case GPU_FORMAT_R8_UNORM:
-    return DXGI_FORMAT_R8_UNORM;
-  case GPU_FORMAT_RG32_FLOAT:
-    return DXGI_FORMAT_R32G32_FLOAT;
-  case GPU_FORMAT_RGB32_FLOAT:
-    return DXGI_FORMAT_R32G32B32_FLOAT;
-  case GPU_FORMAT_RGBA32_FLOAT:
-    return DXGI_FORMAT_R32G32B32A32_FLOAT;
-  case GPU_FORMAT_NONE:
-    break;
-  }
-  return DXGI_FORMAT_UNKNOWN;
+  static const DXGI_FORMAT formats[GPU_FORMAT_COUNT] = {
+      [GPU_FORMAT_NONE] = DXGI_FORMAT_UNKNOWN,
+      [GPU_FORMAT_D32_FLOAT] = DXGI_FORMAT_D32_FLOAT,
+      [GPU_FORMAT_D16_UNORM] = DXGI_FORMAT_D16_UNORM,
+      [GPU_FORMAT_R8_UNORM] = DXGI_FORMAT_R8_UNORM,
+      [GPU_FORMAT_R16_UNORM] = DXGI_FORMAT_R16_UNORM,
+      [GPU_FORMAT_RG16_UNORM] = DXGI_FORMAT_R16G16_UNORM,
+      [GPU_FORMAT_R16_FLOAT] = DXGI_FORMAT_R16_FLOAT,
+      [GPU_FORMAT_RG16_FLOAT] = DXGI_FORMAT_R16G16_FLOAT,
+      [GPU_FORMAT_RGBA16_FLOAT] = DXGI_FORMAT_R16G16B16A16_FLOAT,
+      [GPU_FORMAT_R32_FLOAT] = DXGI_FORMAT_R32_FLOAT,
+      [GPU_FORMAT_RG32_FLOAT] = DXGI_FORMAT_R32G32_FLOAT,
+      [GPU_FORMAT_RGB32_FLOAT] = DXGI_FORMAT_R32G32B32_FLOAT,
+      [GPU_FORMAT_RGBA32_FLOAT] = DXGI_FORMAT_R32G32B32A32_FLOAT,
+      [GPU_FORMAT_R32_UINT] = DXGI_FORMAT_R32_UINT,
+  };
+  return formats[format];
 }
 
 DXGI_FORMAT d3d12_resource_format(gpu_format format) {
@@ -141,6 +141,8 @@ static csm_result device_new(const gpu_open_info *info, gpu_device **out) {
 /* Makes everything that recordings need. */
 static csm_result device_use(gpu_device *device) {
   csm_result result = d3d12_descriptors_create(device);
+  if (result == CSM_SUCCESS)
+    result = d3d12_commands_create(device);
   if (result == CSM_SUCCESS)
     result = d3d12_queries_create(device);
   for (uint32_t i = 0; result == CSM_SUCCESS && i < device->slot_count; i++)
@@ -194,9 +196,11 @@ void d3d12_close(gpu_device *device) {
       break; /* a lost device runs nothing any more */
   for (uint32_t i = 0; i < device->slot_count; i++)
     d3d12_slot_destroy(&device->slots[i]);
-  d3d12_unref(device->fill);
-  d3d12_unref(device->query_results);
+  d3d12_buffer_destroy(device, device->fill);
+  d3d12_buffer_destroy(device, device->query_results);
   d3d12_unref(device->queries);
+  for (uint32_t i = 0; i < D3D12_COMMANDS; i++)
+    d3d12_unref(device->commands[i]);
   d3d12_unref(device->descriptors);
   if (device->own)
     d3d12_own_close(device);

@@ -1,8 +1,7 @@
-/* engine.c: an engine's device, and its images and buffers. Each is held by a reference of csm's own. */
+/* engine.c: an engine's device, and its images and buffers, each held by a reference of csm's own. */
 #include "internal.h"
 
 #include "../structs.h"
-#include "csm/csm_d3d12.h"
 
 /* ---- the device ---- */
 
@@ -24,11 +23,17 @@ csm_result d3d12_engine_take(gpu_device *device, const void *native_device) {
   if (!native.device || !native.serialize_root_signature)
     return d3d12_fail(device, CSM_ERROR_NULL_POINTER, "csm_d3d12_device: %s is NULL",
                       native.device ? "serialize_root_signature" : "device");
+  if (!native.allocate_memory != !native.free_memory)
+    return d3d12_fail(device, CSM_ERROR_NULL_POINTER, "csm_d3d12_device: %s is NULL",
+                      native.free_memory ? "allocate_memory" : "free_memory");
   if (!d3d12_has_feature_level(native.device))
     return d3d12_fail(device, CSM_ERROR_UNSUPPORTED, "csm_d3d12_device: the device lacks feature level 11_0");
   device->handle = native.device;
   ID3D12Device_AddRef(device->handle);
   *(void **)&device->serialize = native.serialize_root_signature;
+  device->allocate_memory = native.allocate_memory;
+  device->free_memory = native.free_memory;
+  device->memory_user = native.memory_user;
   d3d12_describe_handle(device);
   return CSM_SUCCESS;
 }
@@ -93,10 +98,12 @@ csm_result d3d12_image_import(gpu_device *device, const void *native_image, gpu_
   gpu_image *image = d3d12_allocate(device, sizeof *image);
   if (!image)
     return CSM_ERROR_OUT_OF_MEMORY;
-  image->info =
-      (gpu_image_info){.usage = GPU_IMAGE_SAMPLED, .width = native.width, .height = native.height, .layers = 1};
+  image->borrowed = true;
   image->view_format = (DXGI_FORMAT)native.format;
-  image->resource = (d3d12_resource){.handle = resource, .state = D3D12_STATE_READABLE, .rest = D3D12_STATE_READABLE};
+  image->width = native.width;
+  image->height = native.height;
+  image->layer_count = image->level_count = 1;
+  image->resource.handle = resource;
   ID3D12Resource_AddRef(resource);
   *about =
       (gpu_imported){.width = native.width, .height = native.height, .unorm = texels_of(native.format) == TEXELS_UNORM};
@@ -114,7 +121,7 @@ static csm_result import_buffer(gpu_device *device, ID3D12Resource *resource, gp
   *out = buffer;
   if (!buffer)
     return CSM_ERROR_OUT_OF_MEMORY;
-  buffer->imported = true;
+  buffer->borrowed = true;
   buffer->resource.handle = resource;
   buffer->size = ID3D12Resource_GetDesc(resource).Width;
   buffer->address = ID3D12Resource_GetGPUVirtualAddress(resource);

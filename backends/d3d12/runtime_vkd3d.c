@@ -395,6 +395,58 @@ static csm_result describe_sizes(gpu_device *device, const d3d12_runtime *runtim
   return CSM_SUCCESS;
 }
 
+static uint32_t format_can(const VkFormatProperties *properties, gpu_format format, bool loads) {
+  const VkFormatFeatureFlags features = properties->optimalTilingFeatures;
+  uint32_t can = 0;
+  if (features & VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT)
+    can |= GPU_CAN_SAMPLE;
+  if (features & VK_FORMAT_FEATURE_SAMPLED_IMAGE_FILTER_LINEAR_BIT)
+    can |= GPU_CAN_FILTER;
+  if (features & (VK_FORMAT_FEATURE_COLOR_ATTACHMENT_BIT | VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT))
+    can |= GPU_CAN_DRAW;
+  if (features & VK_FORMAT_FEATURE_STORAGE_IMAGE_BIT)
+    can |= GPU_CAN_STORE;
+  if ((can & GPU_CAN_STORE) && (loads || format == GPU_FORMAT_R32_FLOAT || format == GPU_FORMAT_R32_UINT))
+    can |= GPU_CAN_LOAD;
+  if (features & VK_FORMAT_FEATURE_STORAGE_IMAGE_ATOMIC_BIT)
+    can |= GPU_CAN_ATOMIC;
+  return can;
+}
+
+static void describe_capabilities(const d3d12_runtime *runtime, const VkPhysicalDeviceLimits *limits,
+                                  gpu_capabilities *out) {
+  static const VkFormat formats[GPU_FORMAT_COUNT] = {
+      [GPU_FORMAT_D32_FLOAT] = VK_FORMAT_D32_SFLOAT,
+      [GPU_FORMAT_D16_UNORM] = VK_FORMAT_D16_UNORM,
+      [GPU_FORMAT_R8_UNORM] = VK_FORMAT_R8_UNORM,
+      [GPU_FORMAT_R16_UNORM] = VK_FORMAT_R16_UNORM,
+      [GPU_FORMAT_RG16_UNORM] = VK_FORMAT_R16G16_UNORM,
+      [GPU_FORMAT_R16_FLOAT] = VK_FORMAT_R16_SFLOAT,
+      [GPU_FORMAT_RG16_FLOAT] = VK_FORMAT_R16G16_SFLOAT,
+      [GPU_FORMAT_RGBA16_FLOAT] = VK_FORMAT_R16G16B16A16_SFLOAT,
+      [GPU_FORMAT_R32_FLOAT] = VK_FORMAT_R32_SFLOAT,
+      [GPU_FORMAT_RG32_FLOAT] = VK_FORMAT_R32G32_SFLOAT,
+      [GPU_FORMAT_RGB32_FLOAT] = VK_FORMAT_R32G32B32_SFLOAT,
+      [GPU_FORMAT_RGBA32_FLOAT] = VK_FORMAT_R32G32B32A32_SFLOAT,
+      [GPU_FORMAT_R32_UINT] = VK_FORMAT_R32_UINT,
+  };
+  const PFN_vkGetPhysicalDeviceFormatProperties get_format =
+      (PFN_vkGetPhysicalDeviceFormatProperties)instance_function(runtime, "vkGetPhysicalDeviceFormatProperties");
+  const PFN_vkGetPhysicalDeviceFeatures get_features =
+      (PFN_vkGetPhysicalDeviceFeatures)instance_function(runtime, "vkGetPhysicalDeviceFeatures");
+  VkPhysicalDeviceFeatures features;
+  get_features(runtime->physical, &features);
+  d3d12_describe_level(out);
+  out->max_anisotropy =
+      features.samplerAnisotropy ? minimum((uint32_t)limits->maxSamplerAnisotropy, GPU_MAX_ANISOTROPY) : 1;
+  out->max_storage_size = minimum64(out->max_storage_size, (uint64_t)limits->maxTexelBufferElements * 4);
+  for (gpu_format format = GPU_FORMAT_NONE + 1; format < GPU_FORMAT_COUNT; format++) {
+    VkFormatProperties properties;
+    get_format(runtime->physical, formats[format], &properties);
+    out->formats[format] = format_can(&properties, format, features.shaderStorageImageReadWithoutFormat);
+  }
+}
+
 static csm_result describe_physical(gpu_device *device, const d3d12_runtime *runtime) {
   const PFN_vkGetPhysicalDeviceProperties2 get =
       (PFN_vkGetPhysicalDeviceProperties2)instance_function(runtime, "vkGetPhysicalDeviceProperties2KHR");
@@ -412,6 +464,7 @@ static csm_result describe_physical(gpu_device *device, const d3d12_runtime *run
   d3d12_text(info->name, sizeof info->name, "%s", all.properties.deviceName);
   d3d12_text(info->driver, sizeof info->driver, "%s on %.96s %.96s", vkd3d_version(runtime), driver.driverName,
              driver.driverInfo);
+  describe_capabilities(runtime, &all.properties.limits, &info->can);
   return describe_sizes(device, runtime, &all.properties.limits, sizes.maxMemoryAllocationSize);
 }
 

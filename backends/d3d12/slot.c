@@ -103,7 +103,7 @@ static void resolve_timestamps(gpu_device *device) {
   const uint32_t count = device->timestamps_end - device->timestamps_begin;
   if (count)
     ID3D12GraphicsCommandList_ResolveQueryData(device->list, device->queries, D3D12_QUERY_TYPE_TIMESTAMP, first, count,
-                                               device->query_results, first * sizeof(uint64_t));
+                                               device->query_results->resource.handle, first * sizeof(uint64_t));
 }
 
 csm_result d3d12_end(gpu_device *device) {
@@ -132,17 +132,16 @@ static HRESULT get_tick_rate(gpu_device *device) {
 csm_result d3d12_queries_create(gpu_device *device) {
   const D3D12_QUERY_HEAP_DESC heap = {.Type = D3D12_QUERY_HEAP_TYPE_TIMESTAMP,
                                       .Count = device->slot_count * GPU_MAX_TIMESTAMPS};
-  void *memory = NULL;
-  HRESULT hr = ID3D12Device_CreateQueryHeap(device->handle, &heap, &IID_ID3D12QueryHeap, (void **)&device->queries);
-  if (SUCCEEDED(hr))
-    hr = d3d12_commit_buffer(device->handle, D3D12_HEAP_TYPE_READBACK, heap.Count * sizeof(uint64_t),
-                             &device->query_results);
-  if (SUCCEEDED(hr))
-    hr = ID3D12Resource_Map(device->query_results, 0, NULL, &memory);
-  device->query_ticks = memory;
-  if (SUCCEEDED(hr))
-    hr = get_tick_rate(device);
-  return d3d12_check(device, hr, "CreateQueryHeap");
+  const gpu_buffer_info results = {
+      .name = "csm timestamps", .kind = GPU_BUFFER_READBACK, .size = heap.Count * sizeof(uint64_t)};
+  csm_result result = d3d12_check(
+      device, ID3D12Device_CreateQueryHeap(device->handle, &heap, &IID_ID3D12QueryHeap, (void **)&device->queries),
+      "CreateQueryHeap");
+  if (result == CSM_SUCCESS)
+    result = d3d12_buffer_create(device, &results, &device->query_results);
+  if (result == CSM_SUCCESS)
+    result = d3d12_check(device, get_tick_rate(device), "GetTimestampFrequency");
+  return result;
 }
 
 csm_result d3d12_timestamps(gpu_device *device, uint32_t slot_index, uint32_t first, uint32_t count,
@@ -150,7 +149,7 @@ csm_result d3d12_timestamps(gpu_device *device, uint32_t slot_index, uint32_t fi
   const csm_result result = device->own ? d3d12_wait(device, slot_index) : CSM_SUCCESS;
   if (result != CSM_SUCCESS)
     return result;
-  const uint64_t *ticks = device->query_ticks + slot_index * GPU_MAX_TIMESTAMPS + first;
+  const uint64_t *ticks = (const uint64_t *)device->query_results->mapped + slot_index * GPU_MAX_TIMESTAMPS + first;
   const uint64_t rate = device->ticks_per_second;
   for (uint32_t i = 0; i < count; i++)
     nanoseconds[i] = ticks[i] / rate * 1000000000u + ticks[i] % rate * 1000000000u / rate;
