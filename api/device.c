@@ -1,20 +1,19 @@
 #include "context.h"
 
 #include <stdio.h>
-#include <string.h>
 
 enum { default_slots = 3, copied_stride = 12 };
 
 /* An engine's device belongs to one API. */
-static bool wrong_api(const csm_create_info *info, const char *backend) {
-  return (info->vulkan && strcmp(backend, "vulkan")) || (info->d3d12 && strcmp(backend, "d3d12"));
+static bool wrong_api(const csm_create_info *info, gpu_api api) {
+  return (info->vulkan && api != GPU_API_VULKAN) || (info->d3d12 && api != GPU_API_D3D12);
 }
 
 /* Opening reports its texts into a buffer, not through the log: the caller decides what becomes of them. */
 static csm_result open_backend(device *device, const csm_create_info *info) {
   char text[sizeof device->context->error] = "";
   csm_result result = loader_open(&device->library, info->backend, text, sizeof text);
-  if (!result && wrong_api(info, device->library.backend->name)) {
+  if (!result && wrong_api(info, device->library.backend->api)) {
     snprintf(text, sizeof text, "csm_create_info: the engine's device is not one of backend %s", info->backend);
     result = CSM_ERROR_UNSUPPORTED;
   }

@@ -71,9 +71,9 @@ static void call_engine(void *user, uint32_t cascade) {
       .x = rect->x,
       .y = rect->y,
       .reversed = draw->cascades->config.map_reversed,
-      .depth_format = native.depth_format,
+      .depth_format = native.target.depth_format,
       .command_buffer = native.command_buffer,
-      .render_pass = native.render_pass,
+      .render_pass = native.target.render_pass,
       .depth_view = native.depth_view,
   };
   plan_cascade_volume(draw->plan, cascade, info.world_to_clip, info.planes);

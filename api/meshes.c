@@ -91,7 +91,7 @@ static csm_result check_engines(const device *device, const csm_mesh_info *info)
   if ((info->vulkan && info->d3d12) || info->positions || info->indices)
     return context_fail(context, CSM_ERROR_INVALID_VALUE,
                         "the mesh is given twice: as positions and indices, or in buffers of one API");
-  if (device->own || strcmp(device->gpu.api->name, api))
+  if (device->own || device->gpu.api->api != (info->vulkan ? GPU_API_VULKAN : GPU_API_D3D12))
     return context_fail(context, CSM_ERROR_UNSUPPORTED, "the mesh lies in %s buffers, and the context's device is %s",
                         api, device->own ? "its own" : device->gpu.api->name);
   return CSM_SUCCESS;

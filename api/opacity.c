@@ -11,7 +11,7 @@ typedef struct staged_texels {
   retired retired;
   gpu_buffer *buffer;
   uint64_t size;
-  uint32_t row_bytes;
+  uint32_t width, height, row_bytes;
 } staged_texels;
 
 struct opacity_image {
@@ -38,6 +38,8 @@ static csm_result stage_texels(device *device, const csm_opacity_info *info, sta
   staged_texels *staged = context_allocate(device->context, sizeof *staged);
   if (!staged)
     return CSM_ERROR_OUT_OF_MEMORY;
+  staged->width = info->width;
+  staged->height = info->height;
   staged->row_bytes = device_row_bytes(info->width, GPU_FORMAT_R8_UNORM);
   staged->size = (uint64_t)staged->row_bytes * info->height;
   const csm_result result = device_buffer(
@@ -108,9 +110,10 @@ void opacity_record(device *device) {
     opacity_image *image = opacities->images[i];
     if (!image || !image->staged)
       continue;
-    device->gpu.api->copy_to_image(device->gpu.device, image->texture, image->staged->buffer, 0,
+    const gpu_region all = {.width = image->staged->width, .height = image->staged->height};
+    device->gpu.api->copy_to_image(device->gpu.device, image->texture, &all, image->staged->buffer, 0,
                                    image->staged->row_bytes);
-    device->gpu.api->make_readable(device->gpu.device, image->texture);
+    device->gpu.api->make_readable(device->gpu.device, image->texture, NULL);
     retire(device, &image->staged->retired, staged_free);
     image->staged = NULL;
     --opacities->due;

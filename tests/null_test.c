@@ -48,9 +48,9 @@ static int set_up(void **state) {
   f->gpu = hello.backend;
   if (f->gpu->open(&(gpu_open_info){.host = &f->host, .slots = 1}, &f->device))
     return -1;
-  f->gpu->image_create(f->device, &(gpu_image_info){"depth", GPU_FORMAT_D16_UNORM, usage, WIDTH, HEIGHT, LAYERS, true},
-                       &f->depth);
-  f->gpu->image_create(f->device, &(gpu_image_info){"color", GPU_FORMAT_RG32_FLOAT, usage, WIDTH, HEIGHT, 1, false},
+  f->gpu->image_create(
+      f->device, &(gpu_image_info){"depth", GPU_FORMAT_D16_UNORM, usage, WIDTH, HEIGHT, LAYERS, true, 1}, &f->depth);
+  f->gpu->image_create(f->device, &(gpu_image_info){"color", GPU_FORMAT_RG32_FLOAT, usage, WIDTH, HEIGHT, 1, false, 1},
                        &f->color);
   f->gpu->target_create(f->device, &(gpu_target_info){.name = "target", .depth = f->depth}, &f->target);
   f->gpu->buffer_create(f->device,

@@ -16,7 +16,7 @@ void camera_depth_record(pass_gpu gpu, const camera_depth_pass *pass) {
   gpu.api->marker_begin(gpu.device, "camera depth");
   gpu.api->clear_depth(gpu.device, pass->depth, pass->reversed ? 0.0f : 1.0f);
   if (pass->list->draw_count) {
-    gpu.api->pass_begin(gpu.device, pass->target);
+    gpu.api->pass_begin(gpu.device, &(gpu_pass_info){.target = pass->target});
     draw_list(gpu, &(draw_list_info){.programs = (gpu_program *const *const[]){pass->programs},
                                      .cull = GPU_CULL_NONE,
                                      .list = pass->list,
@@ -26,6 +26,6 @@ void camera_depth_record(pass_gpu gpu, const camera_depth_pass *pass) {
                                      .rows = PASS_CAMERA_ROWS});
     gpu.api->pass_end(gpu.device);
   }
-  gpu.api->make_readable(gpu.device, pass->depth);
+  gpu.api->make_readable(gpu.device, pass->depth, NULL);
   gpu.api->marker_end(gpu.device);
 }

@@ -41,7 +41,7 @@ static void draw_cascade(pass_gpu gpu, const cascade_depth_pass *pass, uint32_t 
   if (!list->draw_count && !pass->draw)
     return;
   const plan_rect *rect = &pass->layout->rects[cascade];
-  gpu.api->pass_begin(gpu.device, pass->targets[rect->layer]);
+  gpu.api->pass_begin(gpu.device, &(gpu_pass_info){.target = pass->targets[rect->layer]});
   gpu.api->pass_area(gpu.device, &(gpu_rect){.x = rect->x, .y = rect->y, .width = rect->side, .height = rect->side});
   draw_list(gpu, &(draw_list_info){.programs = pass->programs,
                                    .cull = pass->casters->cull,
@@ -68,5 +68,5 @@ void cascade_depth_record(pass_gpu gpu, const cascade_depth_pass *pass) {
     gpu.api->marker_end(gpu.device);
     stamp(gpu, pass, 2 + cascade);
   }
-  gpu.api->make_readable(gpu.device, pass->maps);
+  gpu.api->make_readable(gpu.device, pass->maps, NULL);
 }

@@ -36,12 +36,12 @@ void depth_tiles_record(pass_gpu gpu, const depth_tiles_pass *pass) {
   gpu.api->marker_begin(gpu.device, "depth tiles");
   for (uint32_t size = 0; size < 2; ++size) {
     const uint32_t offset = pass->constants_offset + size * DEPTH_TILES_BLOCK;
-    gpu.api->pass_begin(gpu.device, pass->targets[size]);
+    gpu.api->pass_begin(gpu.device, &(gpu_pass_info){.target = pass->targets[size], .color_load = GPU_LOAD_DISCARD});
     gpu.api->pass_program(gpu.device, pass->programs[size]);
     gpu.api->pass_bind(gpu.device, pass->bindings[size], &offset);
     gpu.api->pass_draw(gpu.device, &(gpu_draw){.count = 3, .instance_count = 1});
     gpu.api->pass_end(gpu.device);
-    gpu.api->make_readable(gpu.device, pass->images[size]);
+    gpu.api->make_readable(gpu.device, pass->images[size], NULL);
   }
   const gpu_region all = {.width = pass->columns, .height = pass->rows};
   gpu.api->copy_image(gpu.device, pass->out, 0, pass->row_bytes, pass->images[1], &all);

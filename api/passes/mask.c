@@ -70,7 +70,7 @@ gpu_bindings_info mask_inputs(const gpu_program *program, gpu_buffer *constants,
 void mask_record(pass_gpu gpu, const mask_pass *pass) {
   const uint32_t offsets[] = {pass->constants_offset, pass->constants_offset + MASK_CASCADES_BLOCK};
   gpu.api->marker_begin(gpu.device, "mask");
-  gpu.api->pass_begin(gpu.device, pass->target);
+  gpu.api->pass_begin(gpu.device, &(gpu_pass_info){.target = pass->target, .color_load = GPU_LOAD_DISCARD});
   gpu.api->pass_program(gpu.device, pass->program);
   gpu.api->pass_bind(gpu.device, pass->bindings, offsets);
   gpu.api->pass_draw(gpu.device, &(gpu_draw){.count = 3, .instance_count = 1});

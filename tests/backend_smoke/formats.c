@@ -78,7 +78,7 @@ void test_clears(smoke *s) {
   const float depths[] = {0, 1, 0.3f, 1, 0};
   for (uint32_t f = 0; f < 2; f++) {
     gpu_image *image = make_image(
-        s, (gpu_image_info){"cleared", formats[f], GPU_IMAGE_TARGET | GPU_IMAGE_COPY_SOURCE, 100, 600, 2, true});
+        s, (gpu_image_info){"cleared", formats[f], GPU_IMAGE_TARGET | GPU_IMAGE_COPY_SOURCE, 100, 600, 2, true, 1});
     for (uint32_t i = 0; i < sizeof depths / sizeof *depths; i++)
       check_clear(s, image, formats[f], depths[i]);
     s->gpu->image_destroy(s->device, image);
@@ -101,7 +101,7 @@ typedef struct smoke_map {
 static smoke_map make_map(smoke *s, gpu_format format) {
   const uint32_t usage = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED | GPU_IMAGE_COPY_SOURCE;
   smoke_map map = {.format = format, .draw = format == GPU_FORMAT_D16_UNORM ? s->depth16 : s->depth};
-  map.image = make_image(s, (gpu_image_info){"map", format, usage, SIZE, SIZE, MAP_LAYERS, true});
+  map.image = make_image(s, (gpu_image_info){"map", format, usage, SIZE, SIZE, MAP_LAYERS, true, 1});
   CHECK(s, s->gpu->image_bytes(map.image) >= MAP_LAYERS * SIZE * SIZE * gpu_format_bytes(format), "too few bytes");
   map.target = make_target(s, (gpu_target_info){.name = "map", .depth = map.image, .depth_layer = MAP_LAYER});
   return map;
@@ -224,7 +224,7 @@ void test_pairs(smoke *s) {
   const uint32_t usage = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED | GPU_IMAGE_COPY_SOURCE;
   gpu_program *program = make_program(s, screen_program("pairs", shader_pairs_ps, GPU_FORMAT_RG32_FLOAT));
   smoke_surface pairs = {.format = GPU_FORMAT_RG32_FLOAT};
-  pairs.image = make_image(s, (gpu_image_info){"pairs", pairs.format, usage, HALF, HALF, 1, false});
+  pairs.image = make_image(s, (gpu_image_info){"pairs", pairs.format, usage, HALF, HALF, 1, false, 1});
   pairs.target = make_target(s, (gpu_target_info){.name = "pairs", .color = pairs.image});
   check_pairs(s, &pairs, program, GPU_FORMAT_D32_FLOAT);
   check_pairs(s, &pairs, program, GPU_FORMAT_D16_UNORM);

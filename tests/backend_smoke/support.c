@@ -88,7 +88,7 @@ static void make_programs(smoke *s) {
 static smoke_surface make_surface(smoke *s, const char *name, gpu_format format) {
   const uint32_t usage = GPU_IMAGE_TARGET | GPU_IMAGE_COPY_SOURCE;
   smoke_surface surface = {.format = format};
-  surface.image = make_image(s, (gpu_image_info){name, format, usage, SIZE, SIZE, 1, false});
+  surface.image = make_image(s, (gpu_image_info){name, format, usage, SIZE, SIZE, 1, false, 1});
   surface.target = make_target(s, (gpu_target_info){.name = name, .depth = surface.image});
   return surface;
 }
@@ -101,8 +101,8 @@ static void free_surface(smoke *s, const smoke_surface *surface) {
 void make_objects(smoke *s) {
   make_programs(s);
   const uint32_t all = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED | GPU_IMAGE_COPY_SOURCE;
-  s->map = make_image(s, (gpu_image_info){"map", GPU_FORMAT_D32_FLOAT, all, SIZE, SIZE, LAYERS, true});
-  s->mask = make_image(s, (gpu_image_info){"mask", GPU_FORMAT_R8_UNORM, all, SIZE, SIZE, 1, false});
+  s->map = make_image(s, (gpu_image_info){"map", GPU_FORMAT_D32_FLOAT, all, SIZE, SIZE, LAYERS, true, 1});
+  s->mask = make_image(s, (gpu_image_info){"mask", GPU_FORMAT_R8_UNORM, all, SIZE, SIZE, 1, false, 1});
   s->plain = make_surface(s, "plain", GPU_FORMAT_D32_FLOAT);
   s->plain16 = make_surface(s, "plain 16", GPU_FORMAT_D16_UNORM);
   CHECK(s, s->gpu->image_bytes(s->map) >= (uint64_t)LAYERS * LAYER_BYTES, "too few bytes");
