@@ -172,7 +172,7 @@ void d3d12_rest(gpu_device *device) {
   }
   for (gpu_image *image = device->used_images; image; image = image->next_used) {
     if (image->sampled)
-      d3d12_image_use(device, image, d3d12_whole(image), D3D12_STATE_READABLE);
+      d3d12_image_use(device, image, d3d12_range(image, NULL), D3D12_STATE_READABLE);
     image->used = false;
   }
   device->used_buffers = NULL;

@@ -234,9 +234,8 @@ void d3d12_image_native(const gpu_device *device, const gpu_image *image, gpu_na
 csm_result d3d12_fill_create(gpu_device *device);
 
 /* ---- view.c ---- */
-/* The same range without a count of 0. */
+/* The same range without a count of 0. NULL is all of the image. */
 gpu_range d3d12_range(const gpu_image *image, const gpu_range *range);
-gpu_range d3d12_whole(const gpu_image *image);
 /* A depth view of each level of the range, in a heap of their own. */
 csm_result d3d12_depth_views_create(gpu_device *device, const gpu_image *image, gpu_range range,
                                     ID3D12DescriptorHeap **out);

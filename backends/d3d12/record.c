@@ -112,7 +112,7 @@ void d3d12_fill_depth(gpu_device *device, gpu_image *image, const gpu_region *re
 }
 
 static void fill_image(gpu_device *device, gpu_image *image, float depth) {
-  d3d12_image_use(device, image, d3d12_whole(image), D3D12_RESOURCE_STATE_COPY_DEST);
+  d3d12_image_use(device, image, d3d12_range(image, NULL), D3D12_RESOURCE_STATE_COPY_DEST);
   d3d12_flush_barriers(device);
   for (uint32_t layer = 0; layer < image->layer_count; layer++)
     for (uint32_t level = 0; level < image->level_count; level++) {
@@ -128,7 +128,7 @@ void d3d12_clear_depth(gpu_device *device, gpu_image *image, float depth) {
   if (d3d12_clears_by_copies(device, depth))
     fill_image(device, image, depth);
   /* One barrier for all layers; else each layer's pass would begin with one, and wait for the pass before it. */
-  d3d12_image_use(device, image, d3d12_whole(image), D3D12_RESOURCE_STATE_DEPTH_WRITE);
+  d3d12_image_use(device, image, d3d12_range(image, NULL), D3D12_RESOURCE_STATE_DEPTH_WRITE);
   if (d3d12_clears_by_copies(device, depth))
     return;
   d3d12_flush_barriers(device);
@@ -148,7 +148,7 @@ static void use_reads(gpu_device *device, const gpu_bindings *bindings) {
   for (uint32_t i = 0; i < bindings->texture_count; i++) {
     const gpu_view *view = info->texture_views[i];
     gpu_image *image = view ? view->image : info->textures[i];
-    d3d12_image_use(device, image, view ? view->range : d3d12_whole(image), D3D12_STATE_READABLE);
+    d3d12_image_use(device, image, view ? view->range : d3d12_range(image, NULL), D3D12_STATE_READABLE);
   }
   for (uint32_t i = 0; i < bindings->buffer_count; i++)
     d3d12_buffer_use_read(device, info->buffers[i].buffer, D3D12_STATE_READABLE);

@@ -123,7 +123,7 @@ csm_result d3d12_image_create(gpu_device *device, const gpu_image_info *info, gp
   csm_result result = d3d12_resource_create(device, D3D12_HEAP_TYPE_DEFAULT, &description, D3D12_RESOURCE_STATE_COMMON,
                                             info->name, &image->resource);
   if (result == CSM_SUCCESS && gpu_format_is_depth(info->format))
-    result = d3d12_depth_views_create(device, image, d3d12_whole(image), &image->clear_heap);
+    result = d3d12_depth_views_create(device, image, d3d12_range(image, NULL), &image->clear_heap);
   if (result == CSM_SUCCESS)
     *out = image;
   else

@@ -4,16 +4,12 @@
 /* ---- ranges ---- */
 
 gpu_range d3d12_range(const gpu_image *image, const gpu_range *range) {
-  gpu_range whole = *range;
-  if (!whole.layer_count)
-    whole.layer_count = image->layer_count - whole.first_layer;
-  if (!whole.level_count)
-    whole.level_count = image->level_count - whole.first_level;
-  return whole;
-}
-
-gpu_range d3d12_whole(const gpu_image *image) {
-  return (gpu_range){.layer_count = image->layer_count, .level_count = image->level_count};
+  gpu_range out = range ? *range : (gpu_range){0};
+  if (!out.layer_count)
+    out.layer_count = image->layer_count - out.first_layer;
+  if (!out.level_count)
+    out.level_count = image->level_count - out.first_level;
+  return out;
 }
 
 /* ---- what shaders read and write ---- */
@@ -50,7 +46,7 @@ void d3d12_view_store(gpu_device *device, const gpu_view *view, D3D12_CPU_DESCRI
 }
 
 void d3d12_image_describe(gpu_device *device, const gpu_image *image, uint64_t descriptor) {
-  const gpu_view whole = {.image = (gpu_image *)image, .range = d3d12_whole(image), .array = image->array};
+  const gpu_view whole = {.image = (gpu_image *)image, .range = d3d12_range(image, NULL), .array = image->array};
   d3d12_view_read(device, &whole, (D3D12_CPU_DESCRIPTOR_HANDLE){.ptr = (SIZE_T)descriptor});
 }
 
