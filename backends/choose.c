@@ -1,7 +1,5 @@
 #include "choose.h"
 
-#include "gpu.h"
-
 #include <ctype.h>
 #include <stddef.h>
 
@@ -19,7 +17,7 @@ bool choose_fits(const char *name, const char *part) {
   }
 }
 
-uint32_t choose_rank(uint32_t type) {
+uint32_t choose_rank(gpu_device_type type) {
   switch (type) {
   case GPU_DEVICE_DISCRETE:
     return 5;
@@ -29,7 +27,8 @@ uint32_t choose_rank(uint32_t type) {
     return 3;
   case GPU_DEVICE_CPU:
     return 2;
-  default:
-    return 1;
+  case GPU_DEVICE_OTHER:
+    break;
   }
+  return 1;
 }

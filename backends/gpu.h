@@ -353,8 +353,9 @@ typedef struct gpu_buffer_part {
   uint32_t stride; /* of a structured buffer's elements, a multiple of 4; 0: a ByteAddressBuffer, which is only read */
 } gpu_buffer_part;
 
-/* What a program reads and writes. Good for every program of the same shape: the same counts of constants, textures,
-   buffers, stores and samplers. Nothing that is written may be read through the same bindings. */
+/* What a program reads and writes. Good for every program of the same shape: it draws or computes alike, and has the
+   same counts of constants, textures, buffers, stores and samplers. Nothing that is written may be read through the
+   same bindings. */
 typedef struct gpu_bindings_info {
   const char *name;
   const gpu_program *program;

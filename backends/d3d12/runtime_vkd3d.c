@@ -295,7 +295,7 @@ static csm_result create_instance(gpu_device *device, d3d12_runtime *runtime, bo
 
 /* ---- the adapter ---- */
 
-static uint32_t device_type(VkPhysicalDeviceType type) {
+static gpu_device_type device_type(VkPhysicalDeviceType type) {
   switch (type) {
   case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
     return GPU_DEVICE_INTEGRATED;

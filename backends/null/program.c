@@ -70,7 +70,8 @@ void null_program_destroy(gpu_device *device, gpu_program *program) {
 }
 
 bool null_same_shape(const gpu_program *a, const gpu_program *b) {
-  return a->info.constants_count == b->info.constants_count && a->info.texture_count == b->info.texture_count &&
+  return !a->info.compute.spirv_size == !b->info.compute.spirv_size &&
+         a->info.constants_count == b->info.constants_count && a->info.texture_count == b->info.texture_count &&
          a->info.buffer_count == b->info.buffer_count && a->info.store_image_count == b->info.store_image_count &&
          a->info.store_buffer_count == b->info.store_buffer_count && a->info.sampler_count == b->info.sampler_count;
 }

@@ -32,19 +32,32 @@ void test_d16(smoke *s) {
   CHECK(s, count_units(depth, 100) == SIZE * SIZE / 2 && count_units(depth, 101) == SIZE * SIZE / 2, "nearer by one");
 }
 
-/* What an engine is told that it draws into: numbers of VkFormat, or of DXGI_FORMAT. */
+static bool same_native(const gpu_native_target *a, const gpu_native_target *b) {
+  return a->depth_format == b->depth_format && a->color_format == b->color_format && a->render_pass == b->render_pass &&
+         a->dynamic_rendering == b->dynamic_rendering;
+}
+
+/* What an engine is told that it draws into, before and in the pass: numbers of VkFormat, or of DXGI_FORMAT. */
 void test_native(smoke *s) {
-  const bool vulkan = !strcmp(s->gpu->name, "vulkan");
+  const bool vulkan = s->gpu->api == GPU_API_VULKAN;
   const smoke_surface *surfaces[] = {&s->plain, &s->plain16};
   const uint32_t formats[] = {vulkan ? 126 : 40, vulkan ? 124 : 55};
+  gpu_device_info info;
+  s->gpu->describe(s->device, &info);
   begin(s, 0);
   for (uint32_t i = 0; i < 2; i++) {
     gpu_native_pass native = {0};
     s->gpu->clear_depth(s->device, surfaces[i]->image, 1);
-    s->gpu->pass_begin(s->device, surfaces[i]->target);
+    s->gpu->pass_begin(s->device, &(gpu_pass_info){.target = surfaces[i]->target});
     s->gpu->pass_native(s->device, &native);
     s->gpu->pass_end(s->device);
-    CHECK(s, native.depth_format == formats[i], "format %u, not %u", native.depth_format, formats[i]);
+    gpu_native_target told = {0};
+    const csm_result result = s->gpu->target_native(s->device, surfaces[i]->format, GPU_FORMAT_NONE, &told);
+    CHECK(s, result == CSM_SUCCESS, "target_native: %d", result);
+    CHECK(s, told.depth_format == formats[i] && !told.color_format, "format %u, not %u", told.depth_format, formats[i]);
+    CHECK(s, same_native(&told, &native.target), "not what was told beforehand");
+    CHECK(s, vulkan == (told.render_pass || told.dynamic_rendering), "neither a render pass nor dynamic rendering");
+    CHECK(s, told.dynamic_rendering == info.can.dynamic_rendering, "dynamic rendering, or not");
   }
   end_and_wait(s, 0);
 }
@@ -133,8 +146,8 @@ static void record_read(smoke *s, const smoke_map *map, const quad *quads, uint3
   memcpy(upload + AT_SIZE, (const float[4]){1.0f / SIZE, 1.0f / SIZE}, 16);
   s->gpu->clear_depth(s->device, map->image, 1);
   draw_pass(s, map->target, map->draw, s->slots[0].upload, 0, count, 4);
-  s->gpu->make_readable(s->device, map->image);
-  s->gpu->pass_begin(s->device, target);
+  s->gpu->make_readable(s->device, map->image, NULL);
+  s->gpu->pass_begin(s->device, &(gpu_pass_info){.target = target, .color_load = GPU_LOAD_DISCARD});
   s->gpu->pass_program(s->device, program);
   s->gpu->pass_bind(s->device, bindings, (const uint32_t[]){AT_WHICH, AT_SIZE});
   s->gpu->pass_draw(s->device, &(gpu_draw){.count = 3, .instance_count = 1});
@@ -209,7 +222,7 @@ static void check_pairs(smoke *s, const smoke_surface *pairs, gpu_program *progr
   record_read(s, &map, quads, 2, pairs->target, program, bindings, (const float[4]){MAP_LAYER, scale});
   copy_layer(s, readback, AT_MAP, map.image, format, MAP_LAYER);
   s->gpu->copy_image(s->device, readback, 0, PAIR_ROW, pairs->image, &(gpu_region){.width = HALF, .height = HALF});
-  s->gpu->copy_image(s->device, readback, AT_PIECE, 256, pairs->image, &(gpu_region){0, 9, 5, 30, 7});
+  s->gpu->copy_image(s->device, readback, AT_PIECE, 256, pairs->image, &(gpu_region){0, 9, 5, 30, 7, 0});
   end_and_wait(s, 0);
   const char *bytes = s->gpu->buffer_memory(readback);
   const uint32_t wrong = wrong_pairs(&map, bytes + AT_MAP, (const float *)bytes, scale, slack);
