@@ -1,5 +1,80 @@
-/* bindings.c: what programs read and write: constants by address, all else in a block of descriptors. */
+/*
+ * bindings.c: what programs read and write. Root parameters are a constant buffer each for b0 and on, then one table
+ * with all else, which points to a block of descriptors. Samplers are static.
+ */
 #include "internal.h"
+
+enum { TABLE_RANGES = 4 };
+
+/* ---- root signatures ---- */
+
+/* The ranges of the table that hold anything. */
+static uint32_t table_ranges(const gpu_program_info *info, D3D12_DESCRIPTOR_RANGE *out) {
+  const D3D12_DESCRIPTOR_RANGE ranges[] = {
+      {.RangeType = D3D12_DESCRIPTOR_RANGE_TYPE_SRV,
+       .NumDescriptors = info->texture_count,
+       .OffsetInDescriptorsFromTableStart = D3D12_BLOCK_TEXTURES},
+      {.RangeType = D3D12_DESCRIPTOR_RANGE_TYPE_SRV,
+       .NumDescriptors = info->buffer_count,
+       .BaseShaderRegister = GPU_FIRST_BUFFER,
+       .OffsetInDescriptorsFromTableStart = D3D12_BLOCK_BUFFERS},
+      {.RangeType = D3D12_DESCRIPTOR_RANGE_TYPE_UAV,
+       .NumDescriptors = info->store_image_count,
+       .OffsetInDescriptorsFromTableStart = D3D12_BLOCK_STORE_IMAGES},
+      {.RangeType = D3D12_DESCRIPTOR_RANGE_TYPE_UAV,
+       .NumDescriptors = info->store_buffer_count,
+       .BaseShaderRegister = GPU_FIRST_STORE_BUFFER,
+       .OffsetInDescriptorsFromTableStart = D3D12_BLOCK_STORE_BUFFERS},
+  };
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < TABLE_RANGES; i++)
+    if (ranges[i].NumDescriptors)
+      out[count++] = ranges[i];
+  return count;
+}
+
+static HRESULT serialize(const gpu_device *device, const D3D12_ROOT_SIGNATURE_DESC *signature, ID3DBlob **out) {
+  return device->own ? d3d12_runtime_serialize(device->runtime, signature, out)
+                     : device->serialize(signature, D3D_ROOT_SIGNATURE_VERSION_1_0, out, NULL);
+}
+
+csm_result d3d12_signature_create(gpu_device *device, gpu_program *program, const gpu_program_info *info) {
+  D3D12_ROOT_PARAMETER parameters[GPU_MAX_CONSTANTS + 1];
+  D3D12_STATIC_SAMPLER_DESC samplers[GPU_MAX_SAMPLERS];
+  D3D12_DESCRIPTOR_RANGE ranges[TABLE_RANGES];
+  const uint32_t range_count = table_ranges(info, ranges);
+  program->has_table = range_count > 0;
+  uint32_t count = 0;
+  for (; count < info->constants_count; count++)
+    parameters[count] = (D3D12_ROOT_PARAMETER){.ParameterType = D3D12_ROOT_PARAMETER_TYPE_CBV,
+                                               .Descriptor = {.ShaderRegister = count},
+                                               .ShaderVisibility = D3D12_SHADER_VISIBILITY_ALL};
+  if (range_count)
+    parameters[count++] =
+        (D3D12_ROOT_PARAMETER){.ParameterType = D3D12_ROOT_PARAMETER_TYPE_DESCRIPTOR_TABLE,
+                               .DescriptorTable = {.NumDescriptorRanges = range_count, .pDescriptorRanges = ranges},
+                               .ShaderVisibility = D3D12_SHADER_VISIBILITY_ALL};
+  for (uint32_t i = 0; i < info->sampler_count; i++)
+    samplers[i] = d3d12_sampler(device, info->samplers[i], i);
+  const D3D12_ROOT_SIGNATURE_DESC signature = {
+      .NumParameters = count,
+      .pParameters = parameters,
+      .NumStaticSamplers = info->sampler_count,
+      .pStaticSamplers = samplers,
+      .Flags = info->compute.dxbc_size ? D3D12_ROOT_SIGNATURE_FLAG_NONE
+                                       : D3D12_ROOT_SIGNATURE_FLAG_ALLOW_INPUT_ASSEMBLER_INPUT_LAYOUT};
+  ID3DBlob *blob = NULL;
+  HRESULT hr = serialize(device, &signature, &blob);
+  if (FAILED(hr))
+    return d3d12_check(device, hr, "D3D12SerializeRootSignature");
+  hr = ID3D12Device_CreateRootSignature(device->handle, 0, ID3D10Blob_GetBufferPointer(blob),
+                                        ID3D10Blob_GetBufferSize(blob), &IID_ID3D12RootSignature,
+                                        (void **)&program->signature);
+  ID3D10Blob_Release(blob);
+  return d3d12_check(device, hr, "CreateRootSignature");
+}
+
+/* ---- bindings ---- */
 
 csm_result d3d12_descriptors_create(gpu_device *device) {
   const D3D12_DESCRIPTOR_HEAP_DESC heap = {.Type = D3D12_DESCRIPTOR_HEAP_TYPE_CBV_SRV_UAV,

@@ -23,37 +23,6 @@ void d3d12_describe_level(gpu_capabilities *out) {
   };
 }
 
-static uint32_t format_can(ID3D12Device *handle, gpu_format format, bool loads_more) {
-  D3D12_FEATURE_DATA_FORMAT_SUPPORT support = {.Format = d3d12_format(format)};
-  if (FAILED(ID3D12Device_CheckFeatureSupport(handle, D3D12_FEATURE_FORMAT_SUPPORT, &support, sizeof support)))
-    return 0;
-  const bool single = format == GPU_FORMAT_R32_FLOAT || format == GPU_FORMAT_R32_UINT;
-  const bool stores = support.Support1 & D3D12_FORMAT_SUPPORT1_TYPED_UNORDERED_ACCESS_VIEW;
-  const bool loads = single || (loads_more && support.Support2 & D3D12_FORMAT_SUPPORT2_UAV_TYPED_LOAD);
-  uint32_t can = 0;
-  if (support.Support1 & (D3D12_FORMAT_SUPPORT1_SHADER_LOAD | D3D12_FORMAT_SUPPORT1_SHADER_SAMPLE))
-    can |= GPU_CAN_SAMPLE;
-  if (support.Support1 & D3D12_FORMAT_SUPPORT1_SHADER_SAMPLE)
-    can |= GPU_CAN_FILTER;
-  if (support.Support1 & (D3D12_FORMAT_SUPPORT1_RENDER_TARGET | D3D12_FORMAT_SUPPORT1_DEPTH_STENCIL))
-    can |= GPU_CAN_DRAW;
-  if (stores)
-    can |= GPU_CAN_STORE;
-  if (stores && loads)
-    can |= GPU_CAN_LOAD;
-  if (stores && support.Support2 & D3D12_FORMAT_SUPPORT2_UAV_ATOMIC_ADD)
-    can |= GPU_CAN_ATOMIC;
-  return can;
-}
-
-static void describe_capabilities(ID3D12Device *handle, gpu_capabilities *out) {
-  D3D12_FEATURE_DATA_D3D12_OPTIONS options = {0};
-  ID3D12Device_CheckFeatureSupport(handle, D3D12_FEATURE_D3D12_OPTIONS, &options, sizeof options);
-  d3d12_describe_level(out);
-  for (gpu_format format = GPU_FORMAT_NONE + 1; format < GPU_FORMAT_COUNT; format++)
-    out->formats[format] = format_can(handle, format, options.TypedUAVLoadAdditionalFormats);
-}
-
 /* ---- description ---- */
 
 /* Direct3D 12 tells neither a device's name nor how much memory it has. */
@@ -75,7 +44,8 @@ void d3d12_describe_handle(gpu_device *device) {
                                    .memory_size = UINT64_MAX,
                                    .name = "the engine's device",
                                    .driver = "Direct3D 12"};
-  describe_capabilities(device->handle, &device->info.can);
+  d3d12_describe_level(&device->info.can);
+  d3d12_describe_formats(device);
 }
 
 void d3d12_describe(const gpu_device *device, gpu_device_info *out) {

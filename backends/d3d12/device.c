@@ -1,4 +1,4 @@
-/* device.c: a device that own.c opened or engine.c took; errors, names and formats. */
+/* device.c: a device that own.c opened or engine.c took; errors and names. */
 #include "internal.h"
 
 #include <stdarg.h>
@@ -73,50 +73,6 @@ void d3d12_name(void *object, const char *name) {
 void d3d12_unref(void *object) {
   if (object)
     IUnknown_Release((IUnknown *)object);
-}
-
-/* ---- formats ---- */
-
-DXGI_FORMAT d3d12_format(gpu_format format) {
-  static const DXGI_FORMAT formats[GPU_FORMAT_COUNT] = {
-      [GPU_FORMAT_NONE] = DXGI_FORMAT_UNKNOWN,
-      [GPU_FORMAT_D32_FLOAT] = DXGI_FORMAT_D32_FLOAT,
-      [GPU_FORMAT_D16_UNORM] = DXGI_FORMAT_D16_UNORM,
-      [GPU_FORMAT_R8_UNORM] = DXGI_FORMAT_R8_UNORM,
-      [GPU_FORMAT_R16_UNORM] = DXGI_FORMAT_R16_UNORM,
-      [GPU_FORMAT_RG16_UNORM] = DXGI_FORMAT_R16G16_UNORM,
-      [GPU_FORMAT_R16_FLOAT] = DXGI_FORMAT_R16_FLOAT,
-      [GPU_FORMAT_RG16_FLOAT] = DXGI_FORMAT_R16G16_FLOAT,
-      [GPU_FORMAT_RGBA16_FLOAT] = DXGI_FORMAT_R16G16B16A16_FLOAT,
-      [GPU_FORMAT_R32_FLOAT] = DXGI_FORMAT_R32_FLOAT,
-      [GPU_FORMAT_RG32_FLOAT] = DXGI_FORMAT_R32G32_FLOAT,
-      [GPU_FORMAT_RGB32_FLOAT] = DXGI_FORMAT_R32G32B32_FLOAT,
-      [GPU_FORMAT_RGBA32_FLOAT] = DXGI_FORMAT_R32G32B32A32_FLOAT,
-      [GPU_FORMAT_R32_UINT] = DXGI_FORMAT_R32_UINT,
-  };
-  return formats[format];
-}
-
-DXGI_FORMAT d3d12_resource_format(gpu_format format) {
-  switch (format) {
-  case GPU_FORMAT_D32_FLOAT:
-    return DXGI_FORMAT_R32_TYPELESS;
-  case GPU_FORMAT_D16_UNORM:
-    return DXGI_FORMAT_R16_TYPELESS;
-  default:
-    return d3d12_format(format);
-  }
-}
-
-DXGI_FORMAT d3d12_view_format(gpu_format format) {
-  switch (format) {
-  case GPU_FORMAT_D32_FLOAT:
-    return DXGI_FORMAT_R32_FLOAT;
-  case GPU_FORMAT_D16_UNORM:
-    return DXGI_FORMAT_R16_UNORM;
-  default:
-    return d3d12_format(format);
-  }
 }
 
 /* ---- opening and closing ---- */

@@ -187,11 +187,6 @@ csm_result d3d12_check(const gpu_device *device, HRESULT hr, const char *functio
 void d3d12_name(void *object, const char *name);
 /* Gives up a reference to a COM object; takes NULL. */
 void d3d12_unref(void *object);
-DXGI_FORMAT d3d12_format(gpu_format format);
-/* What a resource is made in, and copied in, so that it may hold depths and be read as well. */
-DXGI_FORMAT d3d12_resource_format(gpu_format format);
-/* As shaders read it. */
-DXGI_FORMAT d3d12_view_format(gpu_format format);
 
 csm_result d3d12_query(const gpu_open_info *info, gpu_device_info *out);
 csm_result d3d12_open(const gpu_open_info *info, gpu_device **out);
@@ -205,6 +200,15 @@ void d3d12_describe_handle(gpu_device *device);
 void d3d12_describe_level(gpu_capabilities *out);
 void d3d12_describe(const gpu_device *device, gpu_device_info *out);
 uint64_t d3d12_memory_available(gpu_device *device);
+
+/* ---- format.c ---- */
+DXGI_FORMAT d3d12_format(gpu_format format);
+/* What a resource is made in, and copied in, so that it may hold depths and be read as well. */
+DXGI_FORMAT d3d12_resource_format(gpu_format format);
+/* As shaders read it. */
+DXGI_FORMAT d3d12_view_format(gpu_format format);
+/* Fills in info.can.formats of an engine's device. */
+void d3d12_describe_formats(gpu_device *device);
 
 /* ---- own.c: an own device ---- */
 csm_result d3d12_own_select(gpu_device *device, const gpu_open_info *info); /* run time and adapter */
@@ -222,7 +226,7 @@ csm_result d3d12_resource_create(gpu_device *device, D3D12_HEAP_TYPE heap, const
                                  D3D12_RESOURCE_STATES state, const char *name, d3d12_resource *out);
 void d3d12_resource_destroy(gpu_device *device, d3d12_resource *resource);
 
-/* ---- resource.c ---- */
+/* ---- resource.c: buffers, images and views ---- */
 csm_result d3d12_buffer_create(gpu_device *device, const gpu_buffer_info *info, gpu_buffer **out);
 void d3d12_buffer_destroy(gpu_device *device, gpu_buffer *buffer);
 void *d3d12_buffer_memory(gpu_buffer *buffer);
@@ -230,33 +234,38 @@ csm_result d3d12_image_create(gpu_device *device, const gpu_image_info *info, gp
 void d3d12_image_destroy(gpu_device *device, gpu_image *image);
 uint64_t d3d12_image_bytes(const gpu_image *image);
 void d3d12_image_native(const gpu_device *device, const gpu_image *image, gpu_native_image *out);
-/* Texels to clear depths by copies with. */
-csm_result d3d12_fill_create(gpu_device *device);
-
-/* ---- view.c ---- */
-/* The same range without a count of 0. NULL is all of the image. */
-gpu_range d3d12_range(const gpu_image *image, const gpu_range *range);
-/* A depth view of each level of the range, in a heap of their own. */
-csm_result d3d12_depth_views_create(gpu_device *device, const gpu_image *image, gpu_range range,
-                                    ID3D12DescriptorHeap **out);
-D3D12_CPU_DESCRIPTOR_HANDLE d3d12_depth_view(gpu_device *device, ID3D12DescriptorHeap *heap, uint32_t index);
 void d3d12_image_describe(gpu_device *device, const gpu_image *image, uint64_t descriptor);
+csm_result d3d12_view_create(gpu_device *device, const gpu_view_info *info, gpu_view **out);
+void d3d12_view_destroy(gpu_device *device, gpu_view *view);
+/* The range without counts of 0; NULL is all of the image. */
+gpu_range d3d12_range(const gpu_image *image, const gpu_range *range);
 /* Writes what shaders read, or write, of an image to a descriptor. */
 void d3d12_view_read(gpu_device *device, const gpu_view *view, D3D12_CPU_DESCRIPTOR_HANDLE descriptor);
 void d3d12_view_store(gpu_device *device, const gpu_view *view, D3D12_CPU_DESCRIPTOR_HANDLE descriptor);
-csm_result d3d12_view_create(gpu_device *device, const gpu_view_info *info, gpu_view **out);
-void d3d12_view_destroy(gpu_device *device, gpu_view *view);
+/* Texels to clear depths by copies with. */
+csm_result d3d12_fill_create(gpu_device *device);
+
+/* ---- target.c ---- */
 csm_result d3d12_target_create(gpu_device *device, const gpu_target_info *info, gpu_target **out);
 void d3d12_target_destroy(gpu_device *device, gpu_target *target);
 csm_result d3d12_target_native(gpu_device *device, gpu_format depth, gpu_format color, gpu_native_target *out);
+/* A depth view of the range's layers for each level of it, in a heap of their own. */
+csm_result d3d12_depth_views_create(gpu_device *device, const gpu_image *image, gpu_range range,
+                                    ID3D12DescriptorHeap **out);
+D3D12_CPU_DESCRIPTOR_HANDLE d3d12_depth_view(gpu_device *device, ID3D12DescriptorHeap *heap, uint32_t index);
 
 /* ---- program.c ---- */
+D3D12_STATIC_SAMPLER_DESC d3d12_sampler(const gpu_device *device, gpu_sampler sampler, uint32_t shader_register);
 csm_result d3d12_commands_create(gpu_device *device);
 csm_result d3d12_program_create(gpu_device *device, const gpu_program_info *info, gpu_program **out);
 void d3d12_program_destroy(gpu_device *device, gpu_program *program);
 
+/* ---- pipeline.c ---- */
+csm_result d3d12_pipeline_create(gpu_device *device, gpu_program *program, const gpu_program_info *info);
+
 /* ---- bindings.c ---- */
 csm_result d3d12_descriptors_create(gpu_device *device);
+csm_result d3d12_signature_create(gpu_device *device, gpu_program *program, const gpu_program_info *info);
 csm_result d3d12_bindings_create(gpu_device *device, const gpu_bindings_info *info, gpu_bindings **out);
 void d3d12_bindings_write(gpu_device *device, gpu_bindings *bindings, const gpu_bindings_info *info);
 void d3d12_bindings_destroy(gpu_device *device, gpu_bindings *bindings);
@@ -270,11 +279,11 @@ csm_result d3d12_end(gpu_device *device);
 csm_result d3d12_wait(gpu_device *device, uint32_t slot);
 csm_result d3d12_timestamps(gpu_device *device, uint32_t slot, uint32_t first, uint32_t count, uint64_t *nanoseconds);
 
-/* ---- barrier.c: states ---- */
+/* ---- state.c ---- */
 /* Records the barriers that were gathered; due before a command that depends on them. */
 void d3d12_flush_barriers(gpu_device *device);
-/* Takes layers and levels of an image into a state. Where they are in UNORDERED_ACCESS already, writes are ordered. */
-void d3d12_image_use(gpu_device *device, gpu_image *image, gpu_range range, D3D12_RESOURCE_STATES state);
+/* Takes a range of an image, NULL for all, into a state. Where shaders have written it, they write again in order. */
+void d3d12_image_use(gpu_device *device, gpu_image *image, const gpu_range *part, D3D12_RESOURCE_STATES state);
 /* Makes a part of a buffer the next copy's destination. */
 void d3d12_buffer_use_target(gpu_device *device, gpu_buffer *buffer, uint64_t begin, uint64_t size);
 void d3d12_buffer_use_source(gpu_device *device, gpu_buffer *buffer);
@@ -282,7 +291,7 @@ void d3d12_buffer_use_source(gpu_device *device, gpu_buffer *buffer);
 void d3d12_buffer_use_read(gpu_device *device, gpu_buffer *buffer, D3D12_RESOURCE_STATES state);
 void d3d12_buffer_use_store(gpu_device *device, gpu_buffer *buffer);
 /* Takes what shaders write through the bindings into the state for it. */
-void d3d12_bindings_use_stores(gpu_device *device, const gpu_bindings *bindings);
+void d3d12_use_stores(gpu_device *device, const gpu_bindings *bindings);
 /* Makes every buffer readable that this recording has written. */
 void d3d12_settle_buffers(gpu_device *device);
 /* Brings all that the recording used back to the states that it rests in. */

@@ -19,7 +19,7 @@ static void fill_depth(gpu_device *device, const gpu_pass_info *info, const gpu_
                              .width = area->width,
                              .height = area->height,
                              .level = target->depth_range.first_level};
-  d3d12_image_use(device, target->depth, target->depth_range, D3D12_RESOURCE_STATE_COPY_DEST);
+  d3d12_image_use(device, target->depth, &target->depth_range, D3D12_RESOURCE_STATE_COPY_DEST);
   d3d12_flush_barriers(device);
   d3d12_fill_depth(device, target->depth, &region, info->clear_depth);
 }
@@ -34,16 +34,16 @@ void d3d12_pass_begin(gpu_device *device, const gpu_pass_info *info) {
   if (fills_depth)
     fill_depth(device, info, &area);
   if (target->depth) {
-    d3d12_image_use(device, target->depth, target->depth_range, D3D12_RESOURCE_STATE_DEPTH_WRITE);
+    d3d12_image_use(device, target->depth, &target->depth_range, D3D12_RESOURCE_STATE_DEPTH_WRITE);
     depth = d3d12_depth_view(device, target->depth_heap, 0);
   }
   if (target->color) {
-    d3d12_image_use(device, target->color, target->color_range, D3D12_RESOURCE_STATE_RENDER_TARGET);
+    d3d12_image_use(device, target->color, &target->color_range, D3D12_RESOURCE_STATE_RENDER_TARGET);
     color = ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(target->color_heap);
   }
   d3d12_settle_buffers(device);
   if (info->stores)
-    d3d12_bindings_use_stores(device, info->stores);
+    d3d12_use_stores(device, info->stores);
   d3d12_flush_barriers(device);
   if (clears_depth && !fills_depth)
     ID3D12GraphicsCommandList_ClearDepthStencilView(device->list, depth, D3D12_CLEAR_FLAG_DEPTH, info->clear_depth, 0,

@@ -39,10 +39,6 @@ static uint32_t region_subresource(const gpu_image *image, const gpu_region *reg
   return region->level + region->layer * image->level_count;
 }
 
-static gpu_range region_range(const gpu_region *region) {
-  return (gpu_range){region->layer, 1, region->level, 1};
-}
-
 static D3D12_TEXTURE_COPY_LOCATION image_location(const gpu_image *image, const gpu_region *region) {
   return (D3D12_TEXTURE_COPY_LOCATION){.pResource = image->resource.handle,
                                        .Type = D3D12_TEXTURE_COPY_TYPE_SUBRESOURCE_INDEX,
@@ -69,7 +65,7 @@ void d3d12_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint3
   const D3D12_BOX box = {
       .left = from->x, .top = from->y, .right = from->x + from->width, .bottom = from->y + from->height, .back = 1};
   d3d12_buffer_use_target(device, to, offset, (uint64_t)row_bytes * from->height);
-  d3d12_image_use(device, image, region_range(from), D3D12_RESOURCE_STATE_COPY_SOURCE);
+  d3d12_image_use(device, image, &(gpu_range){from->layer, 1, from->level, 1}, D3D12_RESOURCE_STATE_COPY_SOURCE);
   d3d12_flush_barriers(device);
   /* Depths take no box: a whole layer is all that may be copied of them. */
   ID3D12GraphicsCommandList_CopyTextureRegion(device->list, &target, 0, 0, 0, &source,
@@ -80,7 +76,7 @@ void d3d12_copy_to_image(gpu_device *device, gpu_image *image, const gpu_region 
                          uint32_t row_bytes) {
   const D3D12_TEXTURE_COPY_LOCATION source = buffer_location(from, offset, row_bytes, image->format, to);
   const D3D12_TEXTURE_COPY_LOCATION target = image_location(image, to);
-  d3d12_image_use(device, image, region_range(to), D3D12_RESOURCE_STATE_COPY_DEST);
+  d3d12_image_use(device, image, &(gpu_range){to->layer, 1, to->level, 1}, D3D12_RESOURCE_STATE_COPY_DEST);
   d3d12_flush_barriers(device);
   ID3D12GraphicsCommandList_CopyTextureRegion(device->list, &target, to->x, to->y, 0, &source, NULL);
 }
@@ -112,7 +108,7 @@ void d3d12_fill_depth(gpu_device *device, gpu_image *image, const gpu_region *re
 }
 
 static void fill_image(gpu_device *device, gpu_image *image, float depth) {
-  d3d12_image_use(device, image, d3d12_range(image, NULL), D3D12_RESOURCE_STATE_COPY_DEST);
+  d3d12_image_use(device, image, NULL, D3D12_RESOURCE_STATE_COPY_DEST);
   d3d12_flush_barriers(device);
   for (uint32_t layer = 0; layer < image->layer_count; layer++)
     for (uint32_t level = 0; level < image->level_count; level++) {
@@ -128,7 +124,7 @@ void d3d12_clear_depth(gpu_device *device, gpu_image *image, float depth) {
   if (d3d12_clears_by_copies(device, depth))
     fill_image(device, image, depth);
   /* One barrier for all layers; else each layer's pass would begin with one, and wait for the pass before it. */
-  d3d12_image_use(device, image, d3d12_range(image, NULL), D3D12_RESOURCE_STATE_DEPTH_WRITE);
+  d3d12_image_use(device, image, NULL, D3D12_RESOURCE_STATE_DEPTH_WRITE);
   if (d3d12_clears_by_copies(device, depth))
     return;
   d3d12_flush_barriers(device);
@@ -140,18 +136,19 @@ void d3d12_clear_depth(gpu_device *device, gpu_image *image, float depth) {
 /* ---- what shaders read, and dispatches ---- */
 
 void d3d12_make_readable(gpu_device *device, gpu_image *image, const gpu_range *range) {
-  d3d12_image_use(device, image, d3d12_range(image, range), D3D12_STATE_READABLE);
+  d3d12_image_use(device, image, range, D3D12_STATE_READABLE);
 }
 
-static void use_reads(gpu_device *device, const gpu_bindings *bindings) {
+static void use_bindings(gpu_device *device, const gpu_bindings *bindings) {
   const gpu_bindings_info *info = &bindings->info;
   for (uint32_t i = 0; i < bindings->texture_count; i++) {
     const gpu_view *view = info->texture_views[i];
     gpu_image *image = view ? view->image : info->textures[i];
-    d3d12_image_use(device, image, view ? view->range : d3d12_range(image, NULL), D3D12_STATE_READABLE);
+    d3d12_image_use(device, image, view ? &view->range : NULL, D3D12_STATE_READABLE);
   }
   for (uint32_t i = 0; i < bindings->buffer_count; i++)
     d3d12_buffer_use_read(device, info->buffers[i].buffer, D3D12_STATE_READABLE);
+  d3d12_use_stores(device, bindings);
 }
 
 static void bind_compute(gpu_device *device, const gpu_bindings *bindings, const uint32_t *offsets) {
@@ -165,10 +162,8 @@ static void bind_compute(gpu_device *device, const gpu_bindings *bindings, const
 }
 
 void d3d12_dispatch(gpu_device *device, const gpu_dispatch_info *info) {
-  if (info->bindings) {
-    use_reads(device, info->bindings);
-    d3d12_bindings_use_stores(device, info->bindings);
-  }
+  if (info->bindings)
+    use_bindings(device, info->bindings);
   if (info->arguments)
     d3d12_buffer_use_read(device, info->arguments, D3D12_RESOURCE_STATE_INDIRECT_ARGUMENT);
   d3d12_flush_barriers(device);

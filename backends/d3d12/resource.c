@@ -1,4 +1,4 @@
-/* resource.c: buffers and images. */
+/* resource.c: buffers, images, and views of them. */
 #include "internal.h"
 
 #include <string.h>
@@ -146,6 +146,65 @@ uint64_t d3d12_image_bytes(const gpu_image *image) {
 void d3d12_image_native(const gpu_device *device, const gpu_image *image, gpu_native_image *out) {
   (void)device;
   *out = (gpu_native_image){.image = (uint64_t)(uintptr_t)image->resource.handle};
+}
+
+/* ---- views ---- */
+
+gpu_range d3d12_range(const gpu_image *image, const gpu_range *range) {
+  gpu_range out = range ? *range : (gpu_range){0};
+  if (!out.layer_count)
+    out.layer_count = image->layer_count - out.first_layer;
+  if (!out.level_count)
+    out.level_count = image->level_count - out.first_level;
+  return out;
+}
+
+void d3d12_view_read(gpu_device *device, const gpu_view *view, D3D12_CPU_DESCRIPTOR_HANDLE descriptor) {
+  const gpu_range *range = &view->range;
+  D3D12_SHADER_RESOURCE_VIEW_DESC description = {.Format = view->image->view_format,
+                                                 .Shader4ComponentMapping = D3D12_DEFAULT_SHADER_4_COMPONENT_MAPPING};
+  if (view->array) {
+    description.ViewDimension = D3D12_SRV_DIMENSION_TEXTURE2DARRAY;
+    description.Texture2DArray = (D3D12_TEX2D_ARRAY_SRV){.MostDetailedMip = range->first_level,
+                                                         .MipLevels = range->level_count,
+                                                         .FirstArraySlice = range->first_layer,
+                                                         .ArraySize = range->layer_count};
+  } else {
+    description.ViewDimension = D3D12_SRV_DIMENSION_TEXTURE2D;
+    description.Texture2D = (D3D12_TEX2D_SRV){.MostDetailedMip = range->first_level, .MipLevels = range->level_count};
+  }
+  ID3D12Device_CreateShaderResourceView(device->handle, view->image->resource.handle, &description, descriptor);
+}
+
+void d3d12_view_store(gpu_device *device, const gpu_view *view, D3D12_CPU_DESCRIPTOR_HANDLE descriptor) {
+  const gpu_range *range = &view->range;
+  D3D12_UNORDERED_ACCESS_VIEW_DESC description = {.Format = view->image->view_format};
+  if (view->array) {
+    description.ViewDimension = D3D12_UAV_DIMENSION_TEXTURE2DARRAY;
+    description.Texture2DArray = (D3D12_TEX2D_ARRAY_UAV){
+        .MipSlice = range->first_level, .FirstArraySlice = range->first_layer, .ArraySize = range->layer_count};
+  } else {
+    description.ViewDimension = D3D12_UAV_DIMENSION_TEXTURE2D;
+    description.Texture2D = (D3D12_TEX2D_UAV){.MipSlice = range->first_level};
+  }
+  ID3D12Device_CreateUnorderedAccessView(device->handle, view->image->resource.handle, NULL, &description, descriptor);
+}
+
+void d3d12_image_describe(gpu_device *device, const gpu_image *image, uint64_t descriptor) {
+  const gpu_view whole = {.image = (gpu_image *)image, .range = d3d12_range(image, NULL), .array = image->array};
+  d3d12_view_read(device, &whole, (D3D12_CPU_DESCRIPTOR_HANDLE){.ptr = (SIZE_T)descriptor});
+}
+
+csm_result d3d12_view_create(gpu_device *device, const gpu_view_info *info, gpu_view **out) {
+  *out = d3d12_allocate(device, sizeof **out);
+  if (!*out)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  **out = (gpu_view){.image = info->image, .range = d3d12_range(info->image, &info->range), .array = info->array};
+  return CSM_SUCCESS;
+}
+
+void d3d12_view_destroy(gpu_device *device, gpu_view *view) {
+  d3d12_release(device, view);
 }
 
 /* ---- what clears depths by copies ---- */

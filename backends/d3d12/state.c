@@ -1,5 +1,5 @@
 /*
- * barrier.c: states. They are kept in the order of recording, across recordings, and barriers are gathered until the
+ * state.c: states. They are kept in the order of recording, across recordings, and barriers are gathered until the
  * next command that needs them. Images that shaders read rest readable between recordings. Buffers of the device's own
  * memory rest in COMMON: they decay to it when a list has run, so it is the one state that holds whether or not the
  * next recording is in the same list. Draws and dispatches promote them out of it, without a barrier. vkd3d knows
@@ -47,7 +47,8 @@ static bool is_uniform(const gpu_image *image, const gpu_range *range) {
   return true;
 }
 
-void d3d12_image_use(gpu_device *device, gpu_image *image, gpu_range range, D3D12_RESOURCE_STATES state) {
+void d3d12_image_use(gpu_device *device, gpu_image *image, const gpu_range *part, D3D12_RESOURCE_STATES state) {
+  const gpu_range range = d3d12_range(image, part);
   if (image->borrowed)
     return;
   if (!image->used) {
@@ -154,10 +155,10 @@ void d3d12_settle_buffers(gpu_device *device) {
 
 /* ---- both ---- */
 
-void d3d12_bindings_use_stores(gpu_device *device, const gpu_bindings *bindings) {
+void d3d12_use_stores(gpu_device *device, const gpu_bindings *bindings) {
   const gpu_bindings_info *info = &bindings->info;
   for (uint32_t i = 0; i < bindings->store_image_count; i++)
-    d3d12_image_use(device, info->store_images[i]->image, info->store_images[i]->range,
+    d3d12_image_use(device, info->store_images[i]->image, &info->store_images[i]->range,
                     D3D12_RESOURCE_STATE_UNORDERED_ACCESS);
   for (uint32_t i = 0; i < bindings->store_buffer_count; i++)
     d3d12_buffer_use_store(device, info->store_buffers[i].buffer);
@@ -172,7 +173,7 @@ void d3d12_rest(gpu_device *device) {
   }
   for (gpu_image *image = device->used_images; image; image = image->next_used) {
     if (image->sampled)
-      d3d12_image_use(device, image, d3d12_range(image, NULL), D3D12_STATE_READABLE);
+      d3d12_image_use(device, image, NULL, D3D12_STATE_READABLE);
     image->used = false;
   }
   device->used_buffers = NULL;
