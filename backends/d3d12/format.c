@@ -70,5 +70,6 @@ void d3d12_describe_formats(gpu_device *device) {
   D3D12_FEATURE_DATA_D3D12_OPTIONS options = {0};
   ID3D12Device_CheckFeatureSupport(device->handle, D3D12_FEATURE_D3D12_OPTIONS, &options, sizeof options);
   for (gpu_format format = GPU_FORMAT_NONE + 1; format < GPU_FORMAT_COUNT; format++)
-    device->info.can.formats[format] = format_can(device->handle, format, options.TypedUAVLoadAdditionalFormats);
+    if (format != GPU_FORMAT_RGB32_FLOAT)
+      device->info.can.formats[format] = format_can(device->handle, format, options.TypedUAVLoadAdditionalFormats);
 }

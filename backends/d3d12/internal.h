@@ -119,7 +119,6 @@ typedef struct d3d12_bound {
   const gpu_buffer *streams[GPU_MAX_STREAMS];
   uint64_t stream_offsets[GPU_MAX_STREAMS];
   const gpu_buffer *indices;
-  uint64_t index_offset;
   uint32_t index_size;
 } d3d12_bound;
 

@@ -129,31 +129,29 @@ static void bind_stream(gpu_device *device, uint32_t index, gpu_buffer *buffer, 
   bound->stream_offsets[index] = offset;
 }
 
-static void bind_indices(gpu_device *device, gpu_buffer *buffer, uint64_t offset, uint32_t index_size) {
+/* Binds a buffer from its beginning, so that meshes in one page share the view; draws say where they start. */
+static void bind_indices(gpu_device *device, gpu_buffer *buffer, uint32_t index_size) {
   d3d12_bound *bound = &device->bound;
-  if (bound->indices == buffer && bound->index_offset == offset && bound->index_size == index_size)
+  if (bound->indices == buffer && bound->index_size == index_size)
     return;
   d3d12_buffer_use_read(device, buffer, D3D12_RESOURCE_STATE_INDEX_BUFFER);
-  const D3D12_INDEX_BUFFER_VIEW view = {.BufferLocation = buffer->address + offset,
-                                        .SizeInBytes = view_size(buffer, offset),
+  const D3D12_INDEX_BUFFER_VIEW view = {.BufferLocation = buffer->address,
+                                        .SizeInBytes = view_size(buffer, 0),
                                         .Format = index_size == 2 ? DXGI_FORMAT_R16_UINT : DXGI_FORMAT_R32_UINT};
   ID3D12GraphicsCommandList_IASetIndexBuffer(device->list, &view);
   bound->indices = buffer;
-  bound->index_offset = offset;
   bound->index_size = index_size;
 }
 
 static void draw_indirect(gpu_device *device, const gpu_draw *draw) {
   if (draw->indices)
-    bind_indices(device, draw->indices, draw->index_offset, draw->index_size);
+    bind_indices(device, draw->indices, draw->index_size);
   d3d12_buffer_use_read(device, draw->arguments, D3D12_RESOURCE_STATE_INDIRECT_ARGUMENT);
   ID3D12GraphicsCommandList_ExecuteIndirect(device->list,
                                             device->commands[draw->indices ? D3D12_DRAW_INDEXED : D3D12_DRAW], 1,
                                             draw->arguments->resource.handle, draw->arguments_offset, NULL, 0);
 }
 
-/* Indices are bound from their buffer's beginning, so that meshes in one page share the view. Only arguments in a
-   buffer cannot say where in it they start. */
 void d3d12_pass_draw(gpu_device *device, const gpu_draw *draw) {
   for (uint32_t i = 0; i < device->bound.program->stream_count; i++)
     bind_stream(device, i, draw->streams[i], draw->stream_offsets[i]);
@@ -165,7 +163,7 @@ void d3d12_pass_draw(gpu_device *device, const gpu_draw *draw) {
     ID3D12GraphicsCommandList_DrawInstanced(device->list, draw->count, draw->instance_count, 0, 0);
     return;
   }
-  bind_indices(device, draw->indices, 0, draw->index_size);
+  bind_indices(device, draw->indices, draw->index_size);
   ID3D12GraphicsCommandList_DrawIndexedInstanced(device->list, draw->count, draw->instance_count,
                                                  (UINT)(draw->index_offset / draw->index_size), 0, 0);
 }

@@ -426,7 +426,6 @@ static void describe_capabilities(const d3d12_runtime *runtime, const VkPhysical
       [GPU_FORMAT_RGBA16_FLOAT] = VK_FORMAT_R16G16B16A16_SFLOAT,
       [GPU_FORMAT_R32_FLOAT] = VK_FORMAT_R32_SFLOAT,
       [GPU_FORMAT_RG32_FLOAT] = VK_FORMAT_R32G32_SFLOAT,
-      [GPU_FORMAT_RGB32_FLOAT] = VK_FORMAT_R32G32B32_SFLOAT,
       [GPU_FORMAT_RGBA32_FLOAT] = VK_FORMAT_R32G32B32A32_SFLOAT,
       [GPU_FORMAT_R32_UINT] = VK_FORMAT_R32_UINT,
   };
@@ -442,6 +441,8 @@ static void describe_capabilities(const d3d12_runtime *runtime, const VkPhysical
   out->max_storage_size = minimum64(out->max_storage_size, (uint64_t)limits->maxTexelBufferElements * 4);
   for (gpu_format format = GPU_FORMAT_NONE + 1; format < GPU_FORMAT_COUNT; format++) {
     VkFormatProperties properties;
+    if (formats[format] == VK_FORMAT_UNDEFINED)
+      continue; /* attributes alone */
     get_format(runtime->physical, formats[format], &properties);
     out->formats[format] = format_can(&properties, format, features.shaderStorageImageReadWithoutFormat);
   }

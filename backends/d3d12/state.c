@@ -28,10 +28,10 @@ static void add_transition(gpu_device *device, const d3d12_resource *resource, u
                                                        .StateAfter = after}});
 }
 
-/* Orders what shaders write to a resource after what they wrote. */
-static void add_store_barrier(gpu_device *device, const d3d12_resource *resource) {
-  add(device,
-      &(D3D12_RESOURCE_BARRIER){.Type = D3D12_RESOURCE_BARRIER_TYPE_UAV, .UAV = {.pResource = resource->handle}});
+/* Orders what shaders write after what they wrote, in all resources: vkd3d takes a barrier for one image as if all of
+   it were being written. */
+static void add_store_barrier(gpu_device *device) {
+  add(device, &(D3D12_RESOURCE_BARRIER){.Type = D3D12_RESOURCE_BARRIER_TYPE_UAV});
 }
 
 /* ---- images ---- */
@@ -70,7 +70,7 @@ void d3d12_image_use(gpu_device *device, gpu_image *image, const gpu_range *part
       *last = state;
     }
   if (stored)
-    add_store_barrier(device, &image->resource);
+    add_store_barrier(device);
 }
 
 /* ---- buffers ---- */
@@ -143,7 +143,7 @@ void d3d12_buffer_use_read(gpu_device *device, gpu_buffer *buffer, D3D12_RESOURC
 
 void d3d12_buffer_use_store(gpu_device *device, gpu_buffer *buffer) {
   if (buffer->state == D3D12_RESOURCE_STATE_UNORDERED_ACCESS)
-    add_store_barrier(device, &buffer->resource);
+    add_store_barrier(device);
   buffer_use(device, buffer, D3D12_RESOURCE_STATE_UNORDERED_ACCESS);
 }
 
