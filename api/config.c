@@ -1,4 +1,5 @@
 #include "plan/plan.h"
+#include "plan/presets.h"
 #include "structs.h"
 
 csm_result CSM_CALL csm_config_describe(uint32_t index, csm_config_field *out) {
@@ -19,5 +20,35 @@ csm_result CSM_CALL csm_config_default(csm_config *out) {
   csm_config config = {.struct_size = sizeof config};
   plan_config_default(&config);
   struct_write(out, sizeof config, &config);
+  return CSM_SUCCESS;
+}
+
+csm_result CSM_CALL csm_config_preset(const char *name, csm_config *out) {
+  const csm_result result = name ? struct_check(sizeof *out, out) : CSM_ERROR_NULL_POINTER;
+  if (result)
+    return result;
+  const plan_preset *preset = plan_preset_find(name);
+  if (!preset)
+    return CSM_ERROR_INVALID_VALUE;
+  csm_config config = {.struct_size = sizeof config};
+  plan_preset_config(&config, preset);
+  struct_write(out, sizeof config, &config);
+  return CSM_SUCCESS;
+}
+
+csm_result CSM_CALL csm_config_preset_describe(uint32_t index, csm_preset_info *out) {
+  const csm_result result = struct_check(sizeof *out, out);
+  if (result)
+    return result;
+  if (index >= plan_preset_count)
+    return CSM_ERROR_INVALID_INDEX;
+  const plan_preset *preset = &plan_presets[index];
+  const csm_preset_info info = {.struct_size = sizeof info,
+                                .flags = plan_preset_flags(preset),
+                                .name = preset->name,
+                                .about = preset->about,
+                                .read_in = preset->read_in,
+                                .notes = preset->notes};
+  struct_write(out, sizeof info, &info);
   return CSM_SUCCESS;
 }

@@ -35,6 +35,8 @@
   F(csm_result, alpha_mask_destroy, (csm_context * context, csm_alpha_mask alpha_mask))                                         \
   F(csm_result, config_describe, (uint32_t index, csm_config_field * field))                                           \
   F(csm_result, config_default, (csm_config * config))                                                                 \
+  F(csm_result, config_preset, (const char *name, csm_config *config))                                                 \
+  F(csm_result, config_preset_describe, (uint32_t index, csm_preset_info * info))                                      \
   F(csm_result, cascades_create, (csm_context * context, const csm_config *config, csm_cascades **cascades))           \
   F(csm_result, cascades_configure, (csm_cascades * cascades, const csm_config *config))                               \
   F(csm_result, cascades_destroy, (csm_cascades * cascades))                                                           \
