@@ -158,6 +158,12 @@ csm_result loader_open(loader_library *out, const char *name, char *error, size_
   return result;
 }
 
+void loader_keep(const loader_library *library) {
+  void *const again = dlopen(library->path, RTLD_NOW | RTLD_NOLOAD | RTLD_NODELETE);
+  if (again)
+    dlclose(again);
+}
+
 void loader_close(loader_library *library) {
   if (library->handle)
     dlclose(library->handle);

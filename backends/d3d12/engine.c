@@ -7,9 +7,9 @@
 /* ---- the device ---- */
 
 void d3d12_requirements(gpu_device_info *out) {
-  out->required = "an ID3D12Device of the process's libvkd3d.so.1, of feature level 11_0, and its "
-                  "D3D12SerializeRootSignature";
-  out->optional = "";
+  static const char *const run_time[] = {"an ID3D12Device of the process's libvkd3d.so.1",
+                                         "its D3D12SerializeRootSignature", NULL};
+  out->required = (gpu_needs){.others = run_time, .feature_level = D3D_FEATURE_LEVEL_11_0};
 }
 
 static bool has_feature_level(ID3D12Device *device) {

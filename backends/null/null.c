@@ -97,9 +97,7 @@ static void null_describe(const gpu_device *device, gpu_device_info *out) {
                            .max_allocation_size = 1ull << 32,
                            .memory_size = 1ull << 32,
                            .name = "null",
-                           .driver = "null",
-                           .required = "",
-                           .optional = ""};
+                           .driver = "null"};
 }
 
 static csm_result null_query(const gpu_open_info *info, gpu_device_info *out) {

@@ -62,6 +62,8 @@ enum {
   CSM_DEVICE_CPU = 4
 };
 
+/* What a backend is, and what it asks of a device. Lists of names end with NULL, and are never NULL. Texts are static,
+   or in the struct. */
 typedef struct csm_backend_info {
   uint32_t struct_size;
   int32_t result;          /* CSM_SUCCESS: it loads and finds a device; else what is in the way */
@@ -71,14 +73,24 @@ typedef struct csm_backend_info {
   char path[256];          /* the library's file; "" if none was found */
   char device[256];        /* the device it would open */
   char driver[256];        /* driver and version, as it calls itself */
-  char required[512];      /* what an engine must enable on its own device: extensions, features and limits */
-  char optional[512];      /* what is used where it is on */
+  char required[512];      /* what an engine must enable on its own device, in words */
+  char optional[512];      /* what is used where it is on, in words */
   char error[256];         /* the text of `result` */
+  /* The same for programs: names as the API spells them ("VK_KHR_maintenance1", "depthClamp"). */
+  const char *const *required_instance_extensions;
+  const char *const *required_device_extensions;
+  const char *const *required_features;
+  const char *const *optional_instance_extensions;
+  const char *const *optional_device_extensions;
+  const char *const *optional_features;
+  uint32_t required_api_version;   /* Vulkan: as VK_API_VERSION_1_1; else 0 */
+  uint32_t required_feature_level; /* D3D12: D3D_FEATURE_LEVEL_*; else 0 */
 } csm_backend_info;
 
 /*
  * Tells what is installed. *count holds the room in `infos`, and gets the number of backends; infos may be NULL to ask
- * for that number alone. infos[0].struct_size gives the stride; every element is filled.
+ * for that number alone. infos[0].struct_size gives the stride; every element is filled. The lists stay as long as
+ * libcsm is loaded.
  * Errors: NULL_POINTER (count), STRUCT_SIZE, OUT_OF_MEMORY. [any-thread]
  */
 CSM_API csm_result CSM_CALL csm_query_backends(uint32_t *count, csm_backend_info *infos);
