@@ -106,6 +106,9 @@ def check_subproject(project):
     for name in ("shared", "static"):
         run(project / "build" / name)
     needed = run("objdump", "-p", project / "build/static")
+    names = {line.split()[-1] for line in run("nm", "-g", "--defined-only", next((project / "build").rglob("libcsm.a")))
+             .splitlines() if len(line.split()) == 3}
+    assert len(names) > 20 and all(name.startswith("csm_") for name in names), names
     assert "libcsm" not in needed and "libcsm" in run("objdump", "-p", project / "build/shared"), needed
 
 
