@@ -29,12 +29,23 @@ file(WRITE "${CMAKE_BINARY_DIR}/folders" "${csm_SHADER_INCLUDE_DIR}\\n${csm_BACK
 add_executable(program program.c)
 target_link_libraries(program PRIVATE csm::csm)
 """
+# Where a library that is linked into a program looks for backends, when there are none.
+WHERE = """#include <csm/csm.h>
+#include <stdio.h>
+int main(void) {
+  uint32_t count = 1;
+  csm_backend_info info = {.struct_size = sizeof info};
+  csm_query_backends(&count, &info);
+  puts(info.error);
+}
+"""
 MESON = """project('engine', 'c')
 shared = dependency('csm', fallback: 'csm', default_options: 'default_library=both')
 static = subproject('csm').get_variable('csm_static_dep')
 foreach name, way : {'shared': shared, 'static': static}
   executable(name, 'program.c', dependencies: way)
 endforeach
+executable('where', 'where.c', dependencies: static)
 assert(import('fs').exists(shared.get_variable('shaderdir') / 'csm_constants.h'))
 """
 
@@ -100,12 +111,15 @@ def check_subproject(project):
     (project / "subprojects/csm").symlink_to(source)
     (project / "meson.build").write_text(MESON)
     (project / "program.c").write_text(PROGRAM)
+    (project / "where.c").write_text(WHERE)
     run("meson", "setup", project / "build", project, "-Dcsm:vulkan=disabled",
         "-Dcsm:d3d12=disabled", env=dict(os.environ, CC=" ".join(cc)))
-    run("ninja", "-C", project / "build", "shared", "static")
+    run("ninja", "-C", project / "build", "shared", "static", "where")
     for name in ("shared", "static"):
         run(project / "build" / name)
     needed = run("objdump", "-p", project / "build/static")
+    told = run(project / "build/where", cwd="/")
+    assert f"no libcsm-vulkan.so in {(project / 'build').resolve()} or " in told, told
     names = {line.split()[-1] for line in run("nm", "-g", "--defined-only", next((project / "build").rglob("libcsm.a")))
              .splitlines() if len(line.split()) == 3}
     assert len(names) > 20 and all(name.startswith("csm_") for name in names), names
