@@ -31,14 +31,26 @@ csm_result loader_negotiate(const gpu_handshake *answer, uint32_t *version) {
   return CSM_SUCCESS;
 }
 
-/* The folder of this library, or of the program that it is linked into. The dynamic linker made it absolute at the
-   start, so it holds after a chdir too. */
+/* The folder of the program. The linker keeps no absolute path for it. */
+static bool program_folder(char folder[PATH_MAX]) {
+  const ssize_t length = readlink("/proc/self/exe", folder, PATH_MAX - 1);
+  if (length <= 0 || folder[0] != '/')
+    return false;
+  folder[length] = '\0';
+  *strrchr(folder, '/') = '\0';
+  return true;
+}
+
+/* The folder that this library was loaded from, or that of the program which it is linked into. The dynamic linker made
+   it absolute when it loaded the library, so it holds after a chdir too. */
 static bool own_folder(char folder[PATH_MAX]) {
   Dl_info info;
   struct link_map *map = NULL;
   if (!dladdr1((const void *)&own_folder, &info, (void **)&map, RTLD_DL_LINKMAP) || !map)
     return false;
-  void *library = dlopen(map->l_name[0] ? map->l_name : NULL, RTLD_LAZY | RTLD_NOLOAD); /* NULL: the program */
+  if (!map->l_name[0])
+    return program_folder(folder);
+  void *library = dlopen(map->l_name, RTLD_LAZY | RTLD_NOLOAD);
   if (!library)
     return false;
   const bool found = dlinfo(library, RTLD_DI_ORIGIN, folder) == 0 && folder[0] == '/';
