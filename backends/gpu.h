@@ -128,6 +128,17 @@ typedef struct gpu_capabilities {
   bool dynamic_rendering; /* Vulkan: passes are dynamic rendering, not render passes */
 } gpu_capabilities;
 
+/* What an engine must enable on its own device, or may: lists of names, each of which ends with NULL; NULL: none. They
+   are static. */
+typedef struct gpu_needs {
+  const char *const *instance_extensions; /* as the API spells them, like the next two */
+  const char *const *device_extensions;
+  const char *const *features;
+  const char *const *others; /* what has no name: formats, queues, run times */
+  uint32_t api_version;      /* Vulkan: as VK_API_VERSION_1_1; else 0 */
+  uint32_t feature_level;    /* Direct3D 12: as D3D_FEATURE_LEVEL_11_0; else 0 */
+} gpu_needs;
+
 typedef struct gpu_device_info {
   uint32_t type; /* gpu_device_type */
   uint32_t max_image_size;
@@ -137,8 +148,7 @@ typedef struct gpu_device_info {
   uint64_t memory_size;         /* of the heap that images live in */
   char name[256];
   char driver[256];
-  const char *required; /* what an engine must enable on its own device */
-  const char *optional;
+  gpu_needs required, optional;
   gpu_capabilities can;
 } gpu_device_info;
 

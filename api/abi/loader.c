@@ -31,13 +31,25 @@ csm_result loader_negotiate(const gpu_handshake *answer, uint32_t *version) {
   return CSM_SUCCESS;
 }
 
-/* The folder that this library was loaded from. The dynamic linker made it absolute when it loaded the library, so it
-   holds after a chdir too. False if there is none: linked into a program. */
+/* The folder of the program. The linker keeps no absolute path for it. */
+static bool program_folder(char folder[PATH_MAX]) {
+  const ssize_t length = readlink("/proc/self/exe", folder, PATH_MAX - 1);
+  if (length <= 0 || folder[0] != '/')
+    return false;
+  folder[length] = '\0';
+  *strrchr(folder, '/') = '\0';
+  return true;
+}
+
+/* The folder that this library was loaded from, or that of the program which it is linked into. The dynamic linker made
+   it absolute when it loaded the library, so it holds after a chdir too. */
 static bool own_folder(char folder[PATH_MAX]) {
   Dl_info info;
   struct link_map *map = NULL;
-  if (!dladdr1((const void *)&own_folder, &info, (void **)&map, RTLD_DL_LINKMAP) || !map || !map->l_name[0])
+  if (!dladdr1((const void *)&own_folder, &info, (void **)&map, RTLD_DL_LINKMAP) || !map)
     return false;
+  if (!map->l_name[0])
+    return program_folder(folder);
   void *library = dlopen(map->l_name, RTLD_LAZY | RTLD_NOLOAD);
   if (!library)
     return false;
@@ -156,6 +168,12 @@ csm_result loader_open(loader_library *out, const char *name, char *error, size_
   if (result != CSM_SUCCESS)
     loader_close(out);
   return result;
+}
+
+void loader_keep(const loader_library *library) {
+  void *const again = dlopen(library->path, RTLD_NOW | RTLD_NOLOAD | RTLD_NODELETE);
+  if (again)
+    dlclose(again);
 }
 
 void loader_close(loader_library *library) {

@@ -23,6 +23,9 @@ typedef struct loader_library {
  */
 csm_result loader_open(loader_library *out, const char *name, char *error, size_t error_size);
 
+/* Keeps what is static in an open library for as long as the process runs, whether it is closed or not. */
+void loader_keep(const loader_library *library);
+
 /* Closes the library; nothing of the backend may be in use. A zero loader_library is allowed. */
 void loader_close(loader_library *library);
 

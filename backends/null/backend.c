@@ -60,8 +60,6 @@ void null_describe(const gpu_device *device, gpu_device_info *out) {
                            .memory_size = 1ull << 32,
                            .name = "null",
                            .driver = "null",
-                           .required = "",
-                           .optional = "",
                            .can = {.max_anisotropy = GPU_MAX_ANISOTROPY,
                                    .max_storage_size = 1ull << 32,
                                    .compute = true,

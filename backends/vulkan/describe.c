@@ -120,14 +120,8 @@ csm_result vulkan_describe_physical(gpu_device *device) {
   const VkPhysicalDeviceProperties *properties = &all.properties;
   gpu_device_info *info = &device->info;
   info->type = vulkan_device_type(properties->deviceType);
-  info->required = "Vulkan 1.1 (instance and device); depthClamp; D32_SFLOAT as a depth target and a texture; a "
-                   "graphics queue";
-  info->optional = "depthBiasClamp: a bias by the rasterizer that has an end; samplerAnisotropy: anisotropic filters; "
-                   "fragmentStoresAndAtomics: pixel shaders that write buffers; shaderStorageImageExtendedFormats: "
-                   "compute shaders that write images of one or two channels; compute on the queue; "
-                   "VK_KHR_dynamic_rendering: passes without render passes; VK_EXT_debug_utils (instance): names and "
-                   "markers; VK_EXT_memory_budget: what memory is left; VK_KHR_driver_properties: the driver's name; "
-                   "timestamps on the queue: GPU times";
+  info->required = vulkan_required;
+  info->optional = vulkan_optional;
   vulkan_text(info->name, sizeof info->name, "%s", properties->deviceName);
   if (device->driver_properties)
     vulkan_text(info->driver, sizeof info->driver, "%.120s %.120s", driver.driverName, driver.driverInfo);

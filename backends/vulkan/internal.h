@@ -214,6 +214,7 @@ csm_result vulkan_open(const gpu_open_info *info, gpu_device **out);
 void vulkan_close(gpu_device *device);
 
 /* ---- describe.c: what a device is ---- */
+extern const gpu_needs vulkan_required, vulkan_optional; /* needs.c */
 /* What it lacks, with these features enabled, that csm cannot do without; NULL if nothing. */
 const char *vulkan_lacks(const gpu_device *device, VkPhysicalDevice physical, const VkPhysicalDeviceFeatures *features);
 /* What a queue family can do; 0 if there is none. `timestamp_bits` may be NULL. */
