@@ -17,7 +17,7 @@ PUBLIC, SHADER_INCLUDES, GPU = "api/include", "shaders/include", "backends"
 MAY_SEE = {
     PUBLIC: (),
     "api/plan": (PUBLIC, SHADER_INCLUDES),
-    "api/device": (PUBLIC, GPU),
+    "api/device": (PUBLIC, GPU, "shaders"),  # for bindings of alpha masks
     "api/scene": (PUBLIC, GPU, "api/plan", "api/device"),
     "api/techniques": (PUBLIC, GPU, SHADER_INCLUDES, "shaders", "api/plan", "api/device", "api/scene"),
     "api/abi": (PUBLIC, GPU, SHADER_INCLUDES, "api/plan", "api/device", "api/scene", "api/techniques"),
