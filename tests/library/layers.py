@@ -121,7 +121,7 @@ PLANTED = [  # a folder, what is included there, and a word of what must be said
     ("api/plan", "<stdio.h>", "pure"),
     ("api/device", '"plan/plan.h"', "api/plan"),
     ("api/device", '"../scene/handles.h"', "api/scene"),
-    ("api/device", '"shader_code.h"', "shaders"),
+    ("api/scene", '"shader_code.h"', "shaders"),
     ("api/scene", '"abi/context.h"', "api/abi"),
     ("api/scene", '"vulkan/internal.h"', "backends/vulkan"),
     ("api/techniques", '"abi/context.h"', "api/abi"),
