@@ -72,23 +72,33 @@ csm_result device_programs(device *device, pass_vertices vertices, uint32_t *ind
   return CSM_SUCCESS;
 }
 
-static csm_result make_mask_program(device *device, const mask_kind *kind) {
-  gpu_program **program = &device->mask_programs[mask_kind_index(kind)];
-  if (*program)
+gpu_program *device_mask_program(const device *device, uint64_t key) {
+  for (uint32_t i = 0; i < device->mask_count; ++i)
+    if (device->masks[i].key == key)
+      return device->masks[i].program;
+  return NULL;
+}
+
+static csm_result make_mask_program(device *device, uint64_t key, bool normals) {
+  if (device_mask_program(device, key))
     return CSM_SUCCESS;
-  return device_check(device, mask_program(device->gpu, kind, program), "a mask program");
+  mask_entry *entry = &device->masks[device->mask_count];
+  const csm_result result = device_check(device, mask_program(device->gpu, key, normals, &entry->program), "a mask program");
+  if (result)
+    return result;
+  entry->key = key;
+  ++device->mask_count;
+  return CSM_SUCCESS;
 }
 
 csm_result device_view_program(device *device) {
-  return make_mask_program(device, &(mask_kind){.view = true});
+  return make_mask_program(device, MASK_VIEW_KEY, false);
 }
 
 csm_result device_mask_programs(device *device, const csm_config *config) {
   csm_result result = CSM_SUCCESS;
-  for (int normals = 0; normals < 2 && !result; ++normals) {
-    const mask_kind kind = mask_kind_of(config, normals);
-    result = make_mask_program(device, &kind);
-  }
+  for (int normals = 0; normals < 2 && !result; ++normals)
+    result = make_mask_program(device, mask_key(config, normals, CSM_VIEW_SHADOW), normals);
   for (int coarse = 0; coarse < 2 && !result && config->depth_samples != CSM_DEPTH_SAMPLES_OFF; ++coarse)
     if (!device->tiles_programs[coarse])
       result = device_check(device, depth_tiles_program(device->gpu, coarse, &device->tiles_programs[coarse]),
@@ -136,8 +146,8 @@ static void destroy_objects(device *device) {
   caster_programs_destroy(device);
   for (uint32_t i = 0; i < device->programs.count; ++i)
     programs_free(device, i);
-  for (uint32_t i = 0; i < MASK_KINDS; ++i)
-    gpu.api->program_destroy(gpu.device, device->mask_programs[i]);
+  for (uint32_t i = 0; i < device->mask_count; ++i)
+    gpu.api->program_destroy(gpu.device, device->masks[i].program);
   for (int coarse = 0; coarse < 2; ++coarse)
     gpu.api->program_destroy(gpu.device, device->tiles_programs[coarse]);
   gpu.api->close(gpu.device);

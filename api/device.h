@@ -96,6 +96,14 @@ typedef struct next_frame {
   bool fresh; /* its first recording */
 } next_frame;
 
+/* As many as the table of variants can ask for, and a view. */
+enum { MASK_KEYS = 128 };
+
+typedef struct mask_entry {
+  uint64_t key;
+  gpu_program *program;
+} mask_entry;
+
 struct device {
   csm_context *context; /* whose callbacks and errors it uses */
   device *next;         /* of those switched away from */
@@ -118,7 +126,8 @@ struct device {
   alpha_mask_images alpha_masks;
   depth_programs programs;
   caster_programs *casters;
-  gpu_program *mask_programs[MASK_KINDS]; /* by mask_kind_index; NULL until a configuration or a view asks for one */
+  mask_entry masks[MASK_KEYS]; /* what configurations and views have asked for */
+  uint32_t mask_count;
   gpu_program *tiles_programs[2];         /* small and large tiles; likewise */
 };
 
@@ -132,6 +141,8 @@ void device_close(device *device);
 csm_result device_programs(device *device, pass_vertices vertices, uint32_t *index);
 /* Makes the programs that masks of a configuration need, where they are not there. Errors: those of creation. */
 csm_result device_mask_programs(device *device, const csm_config *config);
+/* The program of a key that was made, or NULL. */
+gpu_program *device_mask_program(const device *device, uint64_t key);
 /* Likewise the one that draws views of the mask. */
 csm_result device_view_program(device *device);
 

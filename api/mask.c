@@ -101,9 +101,7 @@ static bool reads_normals(const resolve *r) {
 }
 
 static gpu_program *choose_program(const csm_cascades *cascades, const resolve *r) {
-  mask_kind kind = mask_kind_of(&cascades->config, reads_normals(r));
-  kind.view = r->info.view != CSM_VIEW_SHADOW;
-  return cascades->context->device->mask_programs[mask_kind_index(&kind)];
+  return device_mask_program(cascades->context->device, mask_key(&cascades->config, reads_normals(r), r->info.view));
 }
 
 static csm_result reserve(csm_cascades *cascades, resolve *r) {

@@ -1,54 +1,43 @@
 #include "passes.h"
 #include "shader_code.h"
 
-mask_kind mask_kind_of(const csm_config *config, bool normals) {
-  return (mask_kind){.filter = config->filter,
-                     .early = config->filter_early_out,
-                     .plane = config->bias_mode == CSM_BIAS_RECEIVER_PLANE,
-                     .normals = normals};
+/* Values of the axes of mask.ps.hlsl in variants.toml, beside those of csm_config. */
+enum { MASK_BIAS_AS_CONFIGURED = -1, MASK_PLAIN = 0, MASK_GENERAL = 1, MASK_PLAIN_CASCADES = 4 };
+
+static bool maps_alike(const csm_config *config) {
+  if (config->map_layout != CSM_LAYOUT_ARRAY)
+    return false;
+  for (uint32_t i = 1; i < config->cascade_count; ++i)
+    if (plan_resolution(config, i) != plan_resolution(config, 0))
+      return false;
+  return true;
 }
 
-uint32_t mask_kind_index(const mask_kind *kind) {
-  return kind->view ? MASK_KINDS - 1 : kind->filter * 8 + kind->early * 4u + kind->plane * 2u + kind->normals;
+/* Whether the programs do that leave out what few configurations ask for. */
+static bool is_plain(const csm_config *config) {
+  const bool texels_only = config->bias_constant_m == 0.0 && config->bias_slope_range == 0.0 &&
+                           config->bias_limit_range == 0.0 && config->bias_normal_texels == 0.0;
+  return config->cascade_count <= MASK_PLAIN_CASCADES && config->selection == CSM_SELECT_MAP &&
+         config->blend_mode == CSM_BLEND_OFF && texels_only && !config->map_reversed && maps_alike(config);
 }
 
-/* By bias, then by where normals come from. */
-#define MASK_CODES(name)                                                                                               \
-  {                                                                                                                    \
-    {&shader_mask_##name##_ps, &shader_mask_##name##_normals_ps}, {                                                    \
-      &shader_mask_##name##_plane_ps, &shader_mask_##name##_plane_normals_ps                                           \
-    }                                                                                                                  \
-  }
+uint64_t mask_key(const csm_config *config, bool normals, uint32_t view) {
+  if (view != CSM_VIEW_SHADOW)
+    return MASK_VIEW_KEY;
+  const bool early = config->filter_early_out;
+  return shader_key_mask((int32_t)config->filter, early ? MASK_BIAS_AS_CONFIGURED : (int32_t)config->bias_mode, early,
+                         normals, is_plain(config) ? MASK_PLAIN : MASK_GENERAL);
+}
 
-/* These leave the bias to the constants: vkd3d draws some of them wrong where it is fixed. */
-#define MASK_EARLY(name)                                                                                               \
-  {                                                                                                                    \
-    {&shader_mask_##name##_early_ps, &shader_mask_##name##_early_normals_ps}, {                                        \
-      &shader_mask_##name##_early_ps, &shader_mask_##name##_early_normals_ps                                           \
-    }                                                                                                                  \
-  }
-
-csm_result mask_program(pass_gpu gpu, const mask_kind *kind, gpu_program **out) {
-  /* By early out, which large boxes alone have; linear_depth has no texels to place on a plane. */
-  const gpu_code *const codes[MASK_FILTERS][2][2][2] = {
-      [CSM_FILTER_PCF_2X2] = {MASK_CODES(pcf_2x2)},
-      [CSM_FILTER_PCF_3X3] = {MASK_CODES(pcf_3x3)},
-      [CSM_FILTER_NEAREST] = {MASK_CODES(nearest)},
-      [CSM_FILTER_LINEAR_DEPTH] = {{{&shader_mask_linear_depth_ps, &shader_mask_linear_depth_normals_ps}}},
-      [CSM_FILTER_PCF_5X5] = {MASK_CODES(pcf_5x5), MASK_EARLY(pcf_5x5)},
-      [CSM_FILTER_PCF_7X7] = {MASK_CODES(pcf_7x7), MASK_EARLY(pcf_7x7)},
-      [CSM_FILTER_PCF_N] = {MASK_CODES(pcf_n), MASK_EARLY(pcf_n)},
-      [CSM_FILTER_POISSON] = {MASK_CODES(poisson)},
-      [CSM_FILTER_VOGEL] = {MASK_CODES(vogel)},
-      [CSM_FILTER_GRID_17] = {MASK_CODES(grid_17)},
-  };
+csm_result mask_program(pass_gpu gpu, uint64_t key, bool normals, gpu_program **out) {
+  const bool view = key == MASK_VIEW_KEY;
   const gpu_program_info info = {
-      .name = kind->view ? "mask view" : "mask",
-      .vertex = shader_screen_vs,
-      .pixel = kind->view ? shader_mask_view_ps : *codes[kind->filter][kind->early][kind->plane][kind->normals],
+      .name = view ? "mask view" : "mask",
+      .vertex = normals ? shader_mask_normals_vs : shader_mask_vs,
+      .pixel = view ? shader_mask_view_ps : *shader_find(key),
       .constants_count = 2,
       .constants_sizes = {MASK_CASCADES_BLOCK, MASK_CAMERA_BLOCK},
-      .texture_count = kind->normals && !kind->view ? 3 : 2,
+      .texture_count = normals ? 3 : 2,
       .sampler_count = 1,
       .samplers = {GPU_SAMPLER_POINT_CLAMP},
       .color_format = GPU_FORMAT_R8_UNORM,

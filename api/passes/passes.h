@@ -100,20 +100,13 @@ void camera_depth_record(pass_gpu gpu, const camera_depth_pass *pass);
 
 enum { MASK_CASCADES_BLOCK = 1024, MASK_CAMERA_BLOCK = 256, MASK_BLOCKS = MASK_CASCADES_BLOCK + MASK_CAMERA_BLOCK };
 
-/* What a mask's program is made for; one for each that a configuration may ask for. */
-typedef struct mask_kind {
-  uint32_t filter; /* as in csm_config */
-  bool early;      /* large boxes look at their corners first */
-  bool plane;      /* texels are compared with the receiver's plane */
-  bool normals;    /* the engine's */
-  bool view;       /* a debug view, which knows neither of these */
-} mask_kind;
-enum { MASK_FILTERS = 10, MASK_KINDS = 8 * MASK_FILTERS + 1 };
+/* Of the program of the debug views; no other has it. */
+#define MASK_VIEW_KEY UINT64_C(1)
 
-/* What a configuration asks for. */
-mask_kind mask_kind_of(const csm_config *config, bool normals);
-csm_result mask_program(pass_gpu gpu, const mask_kind *kind, gpu_program **out);
-uint32_t mask_kind_index(const mask_kind *kind); /* below MASK_KINDS */
+/* What a checked configuration asks for: a key of the table of variants. Views do without the engine's normals. */
+uint64_t mask_key(const csm_config *config, bool normals, uint32_t view);
+/* `normals` is what the key was made with. */
+csm_result mask_program(pass_gpu gpu, uint64_t key, bool normals, gpu_program **out);
 
 /* What the mask reads: maps, depth, normals (or NULL), and from `constants` the MASK_BLOCKS bytes of a recording. */
 gpu_bindings_info mask_inputs(const gpu_program *program, gpu_buffer *constants, gpu_image *maps, gpu_image *depth,
