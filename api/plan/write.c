@@ -34,8 +34,7 @@ static void put_cascade(float *out, uint32_t index, const plan_frame *frame, con
   double scale[3], offset[3];
   for (uint32_t axis = 0; axis < 3; ++axis) {
     scale[axis] = cascade->to_clip[axis * 5];
-    offset[axis] =
-        scale[axis] * plan_dot(&frame->basis[axis * 3], frame->origin) + cascade->to_clip[axis * 4 + 3];
+    offset[axis] = scale[axis] * plan_dot(&frame->basis[axis * 3], frame->origin) + cascade->to_clip[axis * 4 + 3];
   }
   const double metre = 1.0 / cascade->info.depth_range;
   put(out, CSM_C_SCALES + index, scale[0], scale[1], scale[2], cascade->texel[0] * metre);
@@ -59,8 +58,8 @@ static void put_maps(float *out, const plan_frame *frame, const csm_config *conf
     const plan_cascade *cascade = &frame->cascades[index];
     const plan_rect *rect = &layout.rects[index];
     put(out, CSM_C_RECTS + i, rect->x, rect->y, rect->side, rect->layer);
-    put(out, CSM_C_TEXELS + i, cascade->info.texel_size, 1.0 / cascade->info.depth_range, 1.0 - 2.0 * border / rect->side,
-        cascade->texel[0] * cascade->texel[1]);
+    put(out, CSM_C_TEXELS + i, cascade->info.texel_size, 1.0 / cascade->info.depth_range,
+        1.0 - 2.0 * border / rect->side, cascade->texel[0] * cascade->texel[1]);
     out[CSM_C_SPLITS * 4 + i] = plan_float(cascade->info.far_depth);
     if (i == index)
       put_cascade(out, i, frame, cascade);
