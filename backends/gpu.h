@@ -412,7 +412,8 @@ typedef struct gpu_indirect_draw {
 } gpu_indirect_draw;
 
 typedef struct gpu_indirect_indexed {
-  uint32_t count, instance_count, first; /* first counts from gpu_draw.index_offset */
+  uint32_t count, instance_count;
+  uint32_t first; /* from the index buffer's beginning: gpu_draw.index_offset must be 0 */
   int32_t vertex_offset;
   uint32_t first_instance;
 } gpu_indirect_indexed;

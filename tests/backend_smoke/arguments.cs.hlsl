@@ -2,14 +2,14 @@
 RWStructuredBuffer<uint> out_ : register(u4);
 
 cbuffer Numbers : register(b0) {
-  float4 numbers; /* instances of the indexed draw, vertices of the other, groups */
+  float4 numbers; /* instances of the indexed draw, vertices of the other, groups, first index */
 };
 
 [numthreads(1, 1, 1)]
 void main(uint3 id : SV_DispatchThreadID) {
   out_[0] = 6;
   out_[1] = uint(numbers.x);
-  out_[2] = 0;
+  out_[2] = uint(numbers.w);
   out_[3] = 0;
   out_[4] = 0;
   out_[8] = uint(numbers.y);
