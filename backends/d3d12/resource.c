@@ -95,8 +95,8 @@ static D3D12_RESOURCE_FLAGS image_flags(const gpu_image_info *info) {
   return flags;
 }
 
-/* An image begins in COMMON, and its first use is a barrier: vkd3d moves an image out of Vulkan's undefined layout with
-   a barrier, but not when a descriptor reads or writes it. */
+/* An image begins in COMMON, so its first use is a barrier. With that vkd3d moves it out of Vulkan's undefined layout,
+   which it does not when a descriptor reads or writes it. */
 csm_result d3d12_image_create(gpu_device *device, const gpu_image_info *info, gpu_image **out) {
   *out = NULL;
   const uint32_t levels = info->levels ? info->levels : 1;
