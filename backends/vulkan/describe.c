@@ -32,7 +32,7 @@ VkQueueFlags vulkan_queue_flags(const gpu_device *device, VkPhysicalDevice physi
 
 /* ---- description ---- */
 
-static gpu_device_type device_type(VkPhysicalDeviceType type) {
+gpu_device_type vulkan_device_type(VkPhysicalDeviceType type) {
   switch (type) {
   case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
     return GPU_DEVICE_INTEGRATED;
@@ -119,7 +119,7 @@ csm_result vulkan_describe_physical(gpu_device *device) {
 
   const VkPhysicalDeviceProperties *properties = &all.properties;
   gpu_device_info *info = &device->info;
-  info->type = device_type(properties->deviceType);
+  info->type = vulkan_device_type(properties->deviceType);
   info->required = "Vulkan 1.1 (instance and device); depthClamp; D32_SFLOAT as a depth target and a texture; a "
                    "graphics queue";
   info->optional = "depthBiasClamp: a bias by the rasterizer that has an end; samplerAnisotropy: anisotropic filters; "

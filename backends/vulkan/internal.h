@@ -219,6 +219,7 @@ const char *vulkan_lacks(const gpu_device *device, VkPhysicalDevice physical, co
 /* What a queue family can do; 0 if there is none. `timestamp_bits` may be NULL. */
 VkQueueFlags vulkan_queue_flags(const gpu_device *device, VkPhysicalDevice physical, uint32_t family,
                                 uint32_t *timestamp_bits);
+gpu_device_type vulkan_device_type(VkPhysicalDeviceType type);
 csm_result vulkan_describe_physical(gpu_device *device);
 void vulkan_describe(const gpu_device *device, gpu_device_info *out);
 uint64_t vulkan_memory_available(gpu_device *device);

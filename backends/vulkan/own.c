@@ -1,7 +1,8 @@
 /* own.c: the handles of an own device: the Vulkan library, an instance, a physical device, a device. */
 #include "internal.h"
 
-#include <ctype.h>
+#include "../choose.h"
+
 #include <dlfcn.h>
 #include <string.h>
 
@@ -181,47 +182,20 @@ static const char *missing(const gpu_device *device, VkPhysicalDevice physical) 
   return !lacks && find_graphics_queue(device, physical) == UINT32_MAX ? "a graphics queue" : lacks;
 }
 
-/* Lower is better. */
-static uint32_t rank(VkPhysicalDeviceType type) {
-  switch (type) {
-  case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
-    return 0;
-  case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
-    return 1;
-  case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
-    return 2;
-  case VK_PHYSICAL_DEVICE_TYPE_CPU:
-    return 3;
-  default:
-    return 4;
-  }
-}
-
-static bool contains(const char *text, const char *part) {
-  for (;; text++) {
-    size_t i = 0;
-    while (part[i] && tolower((unsigned char)text[i]) == tolower((unsigned char)part[i]))
-      i++;
-    if (!part[i])
-      return true;
-    if (!*text)
-      return false;
-  }
-}
-
 static csm_result select_from(gpu_device *device, const char *name, const VkPhysicalDevice *list, uint32_t count) {
-  uint32_t best = UINT32_MAX;
+  uint32_t best = 0;
   char lack[sizeof device->info.name + 64] = "";
   for (uint32_t i = 0; i < count; i++) {
     VkPhysicalDeviceProperties properties;
     device->vk.GetPhysicalDeviceProperties(list[i], &properties);
-    if (name && !contains(properties.deviceName, name))
+    if (!choose_fits(properties.deviceName, name))
       continue;
+    const uint32_t rank = choose_rank(vulkan_device_type(properties.deviceType));
     const char *lacks = missing(device, list[i]);
     if (lacks) {
       vulkan_text(lack, sizeof lack, "; %s lacks %s", properties.deviceName, lacks);
-    } else if (rank(properties.deviceType) < best) {
-      best = rank(properties.deviceType);
+    } else if (rank > best) {
+      best = rank;
       device->physical = list[i];
     }
   }
