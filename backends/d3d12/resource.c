@@ -201,7 +201,8 @@ csm_result d3d12_view_create(gpu_device *device, const gpu_view_info *info, gpu_
   *out = d3d12_allocate(device, sizeof **out);
   if (!*out)
     return CSM_ERROR_OUT_OF_MEMORY;
-  **out = (gpu_view){.image = info->image, .range = d3d12_range(info->image, &info->range), .array = info->array};
+  **out =
+      (gpu_view){.image = info->image, .range = d3d12_range(info->image, &info->range), .array = info->image->array};
   return CSM_SUCCESS;
 }
 

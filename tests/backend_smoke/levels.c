@@ -147,8 +147,7 @@ void test_layer_views(smoke *s) {
   gpu_image *pairs = scrap_image(s, (gpu_image_info){"pairs", GPU_FORMAT_RG32_FLOAT, usage, half, half, 1, false, 1});
   gpu_target *target = scrap_target(s, (gpu_target_info){.name = "pairs", .color = pairs});
   gpu_program *program = scrap_program(s, screen_program("pairs", shader_pairs_ps, GPU_FORMAT_RG32_FLOAT));
-  gpu_view *view =
-      scrap_view(s, (gpu_view_info){.name = "last", .image = image, .range = {.first_layer = 2}, .array = true});
+  gpu_view *view = scrap_view(s, (gpu_view_info){.name = "last", .image = image, .range = {.first_layer = 2}});
   gpu_buffer *upload = s->slots[0].upload;
   gpu_bindings *bindings = scrap_bindings(
       s,

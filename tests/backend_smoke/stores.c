@@ -101,7 +101,7 @@ void test_atomics(smoke *s) {
 static gpu_image *store(smoke *s, gpu_code code, gpu_image_info info, uint32_t layer_groups) {
   gpu_program *program = compute_program(s, (gpu_program_info){.store_image_count = 1}, code);
   gpu_image *image = scrap_image(s, info);
-  gpu_view *view = scrap_view(s, (gpu_view_info){.name = "stored", .image = image, .array = info.array});
+  gpu_view *view = scrap_view(s, (gpu_view_info){.name = "stored", .image = image});
   gpu_bindings *bindings =
       scrap_bindings(s, (gpu_bindings_info){.name = "stored", .program = program, .store_images = {view}});
   begin(s, 0);

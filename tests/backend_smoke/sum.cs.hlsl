@@ -1,6 +1,6 @@
 /* The same by a compute shader: 8 by 8 texels a group. */
-Texture2D<float> from : register(t0);
-RWTexture2D<float> to : register(u0);
+Texture2DArray<float> from : register(t0);
+RWTexture2DArray<float> to : register(u0);
 
 cbuffer Size : register(b0) {
   float4 size; /* width, height of `to` */
@@ -8,9 +8,9 @@ cbuffer Size : register(b0) {
 
 [numthreads(8, 8, 1)]
 void main(uint3 id : SV_DispatchThreadID) {
-  int3 at = int3(int2(id.xy) * 2, 0);
-  float sum = from.Load(at) + from.Load(at + int3(1, 0, 0)) + from.Load(at + int3(0, 1, 0)) +
-              from.Load(at + int3(1, 1, 0));
+  int4 at = int4(int2(id.xy) * 2, 0, 0);
+  float sum = from.Load(at) + from.Load(at + int4(1, 0, 0, 0)) + from.Load(at + int4(0, 1, 0, 0)) +
+              from.Load(at + int4(1, 1, 0, 0));
   if (float(id.x) < size.x && float(id.y) < size.y)
-    to[id.xy] = sum;
+    to[uint3(id.xy, 0)] = sum;
 }

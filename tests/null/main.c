@@ -55,7 +55,7 @@ static void make_resources(fixture *f) {
   gpu_image_create(f->g, &(gpu_image_info){"texture", GPU_FORMAT_R32_FLOAT, all, WIDTH, HEIGHT, LAYERS, true, LEVELS},
                    &f->texture);
   for (uint32_t i = 0; i < LEVELS; i++)
-    gpu_view_create(f->g, &(gpu_view_info){"level", f->texture, {0, 1, i, 1}, false}, &f->levels[i]);
+    gpu_view_create(f->g, &(gpu_view_info){"level", f->texture, {0, 1, i, 1}}, &f->levels[i]);
   gpu_target_create(f->g, &(gpu_target_info){.name = "target", .depth = f->depth, .color = f->color}, &f->target);
   gpu_target_create(f->g, &(gpu_target_info){.name = "level 1", .color = f->texture, .color_level = 1}, &f->level_1);
   gpu_buffer_create(f->g, &(gpu_buffer_info){"upload", GPU_BUFFER_UPLOAD, BUFFER_SIZE, GPU_BUFFER_READ}, &f->upload);
