@@ -223,7 +223,7 @@ static uint64_t hash_of(const hashed *in, const test_scene *scene) {
   const char *error = "";
   plan_frame frame;
   camera_matrices(&in->camera, view, projection);
-  assert_int_equal(plan_made(&frame, &in->config, view, projection, camera_reversed(&camera), in->light, &scene->scene,
+  assert_int_equal(plan_made(&frame, &in->config, view, projection, camera_reversed(&in->camera), in->light, &scene->scene,
                              scene->memory, &error),
                    CSM_SUCCESS);
   return plan_hash(&frame, &in->config, &scene->scene);
