@@ -74,8 +74,12 @@ static void write(void *self, const technique_run *run) {
   const technique_picture *picture = run->picture;
   char *blocks = state->ring.memory;
   memcpy(blocks, run->constants, run->constants_size);
-  plan_write_mask_constants((float *)(blocks + MASK_CASCADES_BLOCK), run->plan, picture->camera, picture->width,
-                            picture->height, state->unorm_normals, picture->show);
+  plan_write_mask_constants((float *)(blocks + MASK_CASCADES_BLOCK), run->plan,
+                            &(plan_picture){.camera = picture->camera,
+                                            .width = picture->width,
+                                            .height = picture->height,
+                                            .show = picture->show,
+                                            .unorm_normals = state->unorm_normals});
 }
 
 static void adopt(void *self, device *from) {
