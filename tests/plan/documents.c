@@ -214,12 +214,9 @@ static void walk(double world, double *documents, double *own, double *in_shader
     transform_point(cascade->info.world_to_shadow, still, at);
     for (int k = 0; k < 3; ++k)
       relative += (double)constants.cascades.basis[0][k] * (still[k] - camera.eye[k]);
-    /* Clip space, from -1 to 1, is twice as wide as texture coordinates. */
-    const double scale = (double)constants.cascades.scales[0][0] / 2.0,
-                 offset = (double)constants.cascades.offsets[0][0] / 2.0;
+    const double clip = relative * (double)constants.cascades.scales[0][0] + (double)constants.cascades.offsets[0][0];
     const double places[3] = {snapped_place(frame.basis, camera.eye, (float)(cascade->info.texel_size * 1024.0), still),
-                              at[0] * cascade->resolution,
-                              (relative * scale + offset) * cascade->resolution};
+                              at[0] * cascade->resolution, (0.5 * clip + 0.5) * cascade->resolution};
     double *const worst[3] = {documents, own, in_shader};
     for (int i = 0; i < 3; ++i) {
       first[i] = step ? first[i] : places[i];
