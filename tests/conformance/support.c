@@ -28,6 +28,9 @@ static void CSM_CALL count_log(void *user, int32_t level, const char *message) {
   record *record = user;
   record->errors += level == CSM_LOG_ERROR;
   record->warnings += level == CSM_LOG_WARNING;
+  const size_t length = strlen(record->said);
+  if (level == CSM_LOG_ERROR)
+    snprintf(record->said + length, sizeof record->said - length, "%s\n", message);
   if (level <= CSM_LOG_WARNING && !record->quiet)
     fprintf(stderr, "%s: %s\n", record->backend, message);
 }

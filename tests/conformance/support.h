@@ -21,6 +21,7 @@ typedef struct record {
   int64_t blocks;           /* live */
   uint64_t allocations;     /* made so far */
   int64_t allocations_left; /* then allocation fails; negative: never */
+  char said[1024];          /* the errors since the caller emptied it, a line each, as far as they fit */
 } record;
 
 csm_create_info support_create_info(record *record);

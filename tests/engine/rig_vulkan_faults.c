@@ -1,8 +1,10 @@
-#include "vulkan_faults.h"
+#include "rig_vulkan_faults.h"
+
+#include "rig.h"
 
 #include <string.h>
 
-vulkan_faults faults;
+rig_vulkan_faults faults;
 
 /* ---- faults ---- */
 
@@ -52,11 +54,11 @@ enum { OBJECTS(LIVE) live_count };
 static const char *const names[] = {OBJECTS(NAME)};
 static int64_t live[live_count];
 
-const char *faults_leak(void) {
+const char *rig_leak(void) {
   for (int type = 0; type < live_count; ++type)
     if (live[type])
       return names[type];
-  return NULL;
+  return faults.allocated ? "allocation" : NULL;
 }
 
 #define WRAP(type)                                                                                                     \
@@ -355,4 +357,39 @@ static PFN_vkVoidFunction VKAPI_CALL get_device_proc_addr(VkDevice device, const
 PFN_vkVoidFunction VKAPI_CALL faults_get_instance_proc_addr(VkInstance instance, const char *name) {
   const PFN_vkVoidFunction function = find(name);
   return function ? function : vkGetInstanceProcAddr(instance, name);
+}
+
+/* ---- the rig's faults ---- */
+
+const rig_fault rig_faults[] = {
+    {"out of host memory", VK_ERROR_OUT_OF_HOST_MEMORY, CSM_ERROR_OUT_OF_MEMORY},
+    {"out of device memory", VK_ERROR_OUT_OF_DEVICE_MEMORY, CSM_ERROR_OUT_OF_DEVICE_MEMORY},
+    {"the device is lost", VK_ERROR_DEVICE_LOST, CSM_ERROR_DEVICE_LOST},
+    {"an error of the device's", VK_ERROR_INITIALIZATION_FAILED, CSM_ERROR_DEVICE},
+    {"the allocator fails", 0, CSM_ERROR_OUT_OF_MEMORY},
+};
+const uint32_t rig_fault_count = sizeof rig_faults / sizeof rig_faults[0];
+
+void rig_fail(const rig_fault *fault, uint32_t nth) {
+  faults.failed = NULL;
+  faults.result = fault ? fault->code : VK_SUCCESS;
+  faults.fail_at = nth && faults.result ? faults.calls + nth : 0;
+}
+
+const char *rig_failed(void) {
+  return faults.failed;
+}
+
+/* A recording that cannot be submitted takes the context's state with it. */
+bool rig_loses_recording(const char *function) {
+  return function && (!strcmp(function, "vkEndCommandBuffer") || !strcmp(function, "vkResetFences") ||
+                      !strcmp(function, "vkQueueSubmit"));
+}
+
+void rig_find(void) {
+  faults.lost = false;
+}
+
+bool rig_lose(void) {
+  return false;
 }
