@@ -38,14 +38,14 @@ static void images_are_held_while_in_flight(void **state) {
       rig, &(rig_image_info){.format = RIG_DEPTH_32, .width = WIDTH, .height = HEIGHT, .texels = depth});
   ID3D12Resource *resource = rig_d3d12_resource(image);
   rig_begin(rig);
-  const csm_frame frame = stage_frame(&stage, 0);
+  shot shot = stage_shot(&stage, 0);
   const csm_mask_info mask = {.struct_size = sizeof mask,
-                              .frame = &frame,
+                              .frame = shot_frame(&shot),
                               .width = WIDTH,
                               .height = HEIGHT,
                               .camera_depth = rig_image_native(image)};
-  stage_render(&stage, &frame);
-  assert_int_equal(csm_resolve_mask(stage.cascades, &mask), CSM_SUCCESS);
+  stage_render(&stage, &shot);
+  assert_int_equal(csm_resolve_mask(stage.view, stage.cascades, &mask), CSM_SUCCESS);
   rig_end(rig);
   assert_int_equal(rig_d3d12_references(resource), 2);
   rig_run(rig, rig_frame(rig));
@@ -83,8 +83,8 @@ static void meshes_are_held_while_in_flight(void **state) {
   assert_int_equal(csm_mesh_create(stage.context, &info, &mesh), CSM_SUCCESS);
   stage.scene.instances[1] = support_instance(mesh, -1, 2, 1, 3, 2, 3);
   rig_begin(rig);
-  const csm_frame frame = stage_frame(&stage, 0);
-  stage_render(&stage, &frame);
+  shot shot = stage_shot(&stage, 0);
+  stage_render(&stage, &shot);
   rig_end(rig);
   assert_int_equal(csm_mesh_destroy(stage.context, mesh), CSM_SUCCESS);
   for (int i = 0; i < 2; ++i)
@@ -109,6 +109,20 @@ static void the_device_is_given_back(void **state) {
   assert_true(rig_d3d12_references(rig->device) > before);
   stage_close(&stage);
   assert_int_equal(rig_d3d12_references(rig->device), before);
+  rig_close(rig);
+}
+
+/* An engine's allocator is asked for memory of every kind. */
+static void every_heap_is_the_engines(void **state) {
+  (void)state;
+  stage stage;
+  rig *rig = rig_open(RIG_MODERN);
+  stage_open(&stage, rig);
+  picture drawn = stage_draw_at(&stage, 0, size);
+  picture_free(&drawn);
+  for (uint32_t kind = D3D12_HEAP_TYPE_DEFAULT; kind <= D3D12_HEAP_TYPE_READBACK; ++kind)
+    assert_true(rig->lent_kinds >> kind & 1);
+  stage_close(&stage);
   rig_close(rig);
 }
 
@@ -155,9 +169,9 @@ static void a_compute_list_is_refused(void **state) {
                                                 &IID_ID3D12GraphicsCommandList, (void **)&compute),
                  "a list");
   rig_begin(rig);
-  csm_frame frame = stage_frame(&stage, 0);
-  frame.command_buffer = compute;
-  assert_int_equal(csm_render_cascades(stage.cascades, &frame), CSM_ERROR_INVALID_VALUE);
+  shot shot = stage_shot(&stage, 0);
+  shot.frame.command_buffer = compute;
+  assert_int_equal(csm_render_cascades(stage.cascades, shot_frame(&shot)), CSM_ERROR_INVALID_VALUE);
   assert_true(csm_last_error(stage.context)[0]);
   rig_end(rig);
   rig_d3d12_must(ID3D12GraphicsCommandList_Close(compute), "closing a list");
@@ -267,12 +281,13 @@ static void descriptors_are_written(void **state) {
   stage_open(&stage, rig);
   reader_open(&reader, rig, stage.config.resolution);
   rig_begin(rig);
-  const csm_frame frame = stage_frame(&stage, 0);
-  stage_render(&stage, &frame);
-  stage_resolve(&stage, &frame, size);
+  shot shot = stage_shot(&stage, 0);
+  stage_render(&stage, &shot);
+  stage_resolve(&stage, &shot, size);
   const SIZE_T where = ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(reader.heap).ptr;
   const UINT step = ID3D12Device_GetDescriptorHandleIncrementSize(rig->device, D3D12_DESCRIPTOR_HEAP_TYPE_CBV_SRV_UAV);
   csm_binding binding = {.struct_size = sizeof binding, .maps_descriptor = where, .mask_descriptor = where + step};
+  binding.view = stage.view;
   assert_int_equal(csm_bind(stage.cascades, &binding), CSM_SUCCESS);
   assert_true(binding.native_maps != 0 && binding.native_mask != 0);
   assert_true(!binding.native_maps_view && !binding.native_mask_view && !binding.native_sampler);
@@ -299,18 +314,18 @@ static void recordings_change_what_the_header_lists(void **state) {
   stage_open(&stage, rig);
   for (uint32_t i = 1; i <= 4; ++i) {
     d3d12_list_begin(&list, rig_begin(rig));
-    csm_frame frame = stage_frame(&stage, 0);
-    frame.command_buffer = &list.list;
-    frame.flags = CSM_FRAME_TIMESTAMPS;
-    stage_render(&stage, &frame);
+    shot shot = stage_shot(&stage, 0);
+    shot.frame.command_buffer = &list.list;
+    shot.frame.flags = CSM_FRAME_TIMESTAMPS;
+    stage_render(&stage, &shot);
     assert_int_equal(list.heaps_set, 0); /* nothing is sampled */
     assert_true(list.draws > 0 && list.barriers > 0);
     if (i % 2)
       d3d12_list_begin(&list, rig_split(rig));
     hill_mesh(stage.context, &hill, 4); /* is uploaded by the mask's recording, into a page that is drawn from */
-    stage_resolve(&stage, &frame, size);
+    stage_resolve(&stage, &shot, size);
     assert_int_equal(list.heaps_set, 1);
-    picture_copy copy = picture_record(rig, stage.cascades, size);
+    picture_copy copy = stage_record(&stage, size);
     stage_finish(&stage);
     picture drawn = picture_take(rig, &copy);
     picture_expect_equal(&own, &drawn);
@@ -325,6 +340,7 @@ int main(int argc, char **argv) {
       cmocka_unit_test(images_are_held_while_in_flight),
       cmocka_unit_test(meshes_are_held_while_in_flight),
       cmocka_unit_test(the_device_is_given_back),
+      cmocka_unit_test(every_heap_is_the_engines),
       cmocka_unit_test(a_feature_level_may_be_too_low),
       cmocka_unit_test(a_compute_list_is_refused),
       cmocka_unit_test(descriptors_are_written),

@@ -21,6 +21,7 @@ static void open_hills(stage *stage, rig *rig, const hill *hill) {
 typedef struct caster {
   stage *stage;
   rig_caster *hills;
+  csm_draw_target target;
   csm_draw_info calls[CSM_MAX_CASCADES];
   uint32_t count, inside; /* calls; instances within the visible bounds */
 } caster;
@@ -34,6 +35,19 @@ static void write_rows(const csm_draw_info *info, const csm_instance *instance, 
       out[row * 4 + column] =
           (float)(m[row] * t[column * 4] + m[4 + row] * t[column * 4 + 1] + m[8 + row] * t[column * 4 + 2] + constant);
     }
+}
+
+/* The hills, in a pipeline that is built before any frame: csm told what it will draw into. */
+static caster open_caster(stage *stage, const hill *hill) {
+  rig_caster_info info = {.positions = (const float(*)[3])hill->positions,
+                          .indices = hill->indices,
+                          .vertex_count = HILL_VERTICES,
+                          .index_count = HILL_INDICES,
+                          .target = {.struct_size = sizeof info.target}};
+  assert_int_equal(csm_get_draw_target(stage->cascades, &info.target), CSM_SUCCESS);
+  rig_check_target(stage->rig, &info.target, stage->config.map_format);
+  assert_int_equal(info.target.reversed, stage->config.map_reversed);
+  return (caster){.stage = stage, .hills = rig_caster_make(stage->rig, &info), .target = info.target};
 }
 
 static double plane_distance(const double plane[4], const double p[3]) {
@@ -64,14 +78,14 @@ static void CSM_CALL draw_hills(void *user, const csm_draw_info *info) {
 /* Draws the first `count` instances by csm, and what the callback draws, if any; all are seen by the camera. */
 static picture draw(stage *stage, uint32_t count, caster *caster) {
   rig_begin(stage->rig);
-  csm_frame frame = stage_frame(stage, 0);
-  frame.instance_count = count;
-  frame.draw = caster ? draw_hills : NULL;
-  frame.draw_user = caster;
-  stage_render(stage, &frame);
-  frame.instance_count = SUPPORT_INSTANCES;
-  stage_resolve(stage, &frame, size);
-  picture_copy copy = picture_record(stage->rig, stage->cascades, size);
+  shot shot = stage_shot(stage, 0);
+  shot.frame.instance_count = count;
+  shot.frame.draw = caster ? draw_hills : NULL;
+  shot.frame.draw_user = caster;
+  stage_render(stage, &shot);
+  shot.frame.instance_count = SUPPORT_INSTANCES;
+  stage_resolve(stage, &shot, size);
+  picture_copy copy = stage_record(stage, size);
   stage_finish(stage);
   return picture_take(stage->rig, &copy);
 }
@@ -115,6 +129,10 @@ static void check_calls(const caster *caster, const void *commands) {
     assert_int_equal(info->cascade, i);
     assert_int_equal(info->resolution, stage->config.resolution);
     assert_ptr_equal(info->command_buffer, commands);
+    assert_int_equal(info->depth_format, caster->target.depth_format);
+    assert_true(info->render_pass == caster->target.render_pass);
+    assert_int_equal(info->dynamic_rendering, caster->target.dynamic_rendering);
+    assert_int_equal(info->reversed, caster->target.reversed);
     rig_check_draw(stage->rig, info);
     check_volume(info, &binding.cascades[i]);
   }
@@ -131,20 +149,31 @@ static uint32_t texels_apart(const picture *a, const picture *b) {
   return count;
 }
 
+/* What kind of engine, and of maps. */
+typedef struct kind {
+  rig_kind rig;
+  uint32_t map_format, map_reversed;
+} kind;
+
+static void configure(stage *stage, const kind *kind) {
+  stage->config.map_format = kind->map_format;
+  stage->config.map_reversed = kind->map_reversed;
+  stage_configure(stage);
+}
+
 /* The hills are drawn by csm, by nobody, and by the engine, which draws the same maps bit for bit. */
-static void own_casters_are_drawn(void **state) {
-  (void)state;
+static void draw_of_kind(const kind *kind) {
   stage own, stage;
   hill hill;
   hill_make(&hill);
   open_hills(&own, NULL, &hill);
+  configure(&own, kind);
   picture by_csm = stage_draw_at(&own, 0, size);
   stage_close(&own);
-  rig *rig = rig_open(RIG_TYPICAL);
+  rig *rig = rig_open(kind->rig);
   open_hills(&stage, rig, &hill);
-  caster caster = {.stage = &stage,
-                   .hills = rig_caster_make(rig, (const float(*)[3])hill.positions, HILL_VERTICES, hill.indices,
-                                            HILL_INDICES)};
+  configure(&stage, kind);
+  caster caster = open_caster(&stage, &hill);
   picture by_nobody = draw(&stage, FIRST_HILL, NULL);
   assert_true(texels_apart(&by_csm, &by_nobody) > 200);
   picture by_engine = draw(&stage, FIRST_HILL, &caster);
@@ -157,6 +186,14 @@ static void own_casters_are_drawn(void **state) {
   rig_close(rig);
 }
 
+static void own_casters_are_drawn(void **state) {
+  (void)state;
+  static const kind kinds[] = {{RIG_TYPICAL, CSM_MAP_D32, 0}, {RIG_MODERN, CSM_MAP_D32, 0},
+                               {RIG_TYPICAL, CSM_MAP_D16, 1}, {RIG_MODERN, CSM_MAP_D32, 1}};
+  for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i)
+    draw_of_kind(&kinds[i]);
+}
+
 /* No casters but the engine's: its passes are there without csm's. */
 static void all_casters_may_be_the_engines(void **state) {
   (void)state;
@@ -165,9 +202,7 @@ static void all_casters_may_be_the_engines(void **state) {
   hill_make(&hill);
   rig *rig = rig_open(RIG_TYPICAL);
   open_hills(&stage, rig, &hill);
-  caster caster = {.stage = &stage,
-                   .hills = rig_caster_make(rig, (const float(*)[3])hill.positions, HILL_VERTICES, hill.indices,
-                                            HILL_INDICES)};
+  caster caster = open_caster(&stage, &hill);
   picture drawn = draw(&stage, 0, &caster);
   check_calls(&caster, rig_commands(rig));
   uint32_t texels = 0;

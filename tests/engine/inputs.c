@@ -21,7 +21,7 @@ static picture draw_own(float depth[PIXELS]) {
   stage own;
   open_telling(&own, NULL);
   const picture out = stage_draw_at(&own, 0, size);
-  float *read = support_read(own.cascades, CSM_READ_CAMERA_DEPTH, 0, WIDTH, HEIGHT);
+  float *read = support_image(own.context, own.view, CSM_READ_CAMERA_DEPTH, WIDTH, HEIGHT);
   memcpy(depth, read, PIXELS * sizeof *depth);
   free(read);
   stage_close(&own);
@@ -31,27 +31,27 @@ static picture draw_own(float depth[PIXELS]) {
 /* What a mask is resolved from. */
 typedef struct seen {
   const rig_image *depth, *normals;
-  uint32_t view;
+  uint32_t show; /* CSM_SHOW_* */
 } seen;
 
 /* The maps, and the mask of the engine's images; with its depth, the camera needs no instances. */
 static picture draw_seen(stage *stage, seen seen) {
   rig_begin(stage->rig);
-  csm_frame frame = stage_frame(stage, 0);
-  stage_render(stage, &frame);
-  frame.instances = NULL;
-  frame.instance_count = 0;
+  shot shot = stage_shot(stage, 0);
+  stage_render(stage, &shot);
+  shot.frame.instances = NULL;
+  shot.frame.instance_count = 0;
   const csm_mask_info mask = {.struct_size = sizeof mask,
-                              .frame = &frame,
+                              .frame = shot_frame(&shot),
                               .width = WIDTH,
                               .height = HEIGHT,
                               .camera_depth = rig_image_native(seen.depth),
                               .normals = seen.normals ? rig_image_native(seen.normals) : NULL,
-                              .view = seen.view};
-  const csm_result result = csm_resolve_mask(stage->cascades, &mask);
+                              .show = seen.show};
+  const csm_result result = csm_resolve_mask(stage->view, stage->cascades, &mask);
   if (result)
     fail_msg("%s: %s", csm_result_name(result), csm_last_error(stage->context));
-  picture_copy copy = picture_record(stage->rig, stage->cascades, size);
+  picture_copy copy = stage_record(stage, size);
   stage_finish(stage);
   return picture_take(stage->rig, &copy);
 }
@@ -87,8 +87,8 @@ static void own_depth_gives_the_same_mask(void **state) {
 /* The scene's normal at every pixel, turned to the camera: all faces lie along axes. Up where nothing is. */
 static void trace_normals(const stage *stage, double normals[PIXELS][3]) {
   static double corners[SUPPORT_TRIANGLES][3][3];
-  const csm_frame frame = stage_frame(stage, 0);
-  const double *view = frame.view, *projection = frame.projection;
+  shot shot = stage_shot(stage, 0);
+  const double *view = shot.camera.view, *projection = shot.camera.projection;
   double eye[3];
   support_triangles(&stage->scene, corners);
   for (int axis = 0; axis < 3; ++axis)
@@ -192,8 +192,8 @@ static void normals_of_every_coding_agree(void **state) {
   rig_close(rig);
 }
 
-/* Views take their normals from the depth; and the mask is the same after them. */
-static void views_need_no_normals(void **state) {
+/* It takes its normals from the depth; and the mask is the same after it. */
+static void what_is_shown_instead_needs_no_normals(void **state) {
   (void)state;
   static double normals[PIXELS][3];
   static float depth[PIXELS];
@@ -206,9 +206,9 @@ static void views_need_no_normals(void **state) {
   rig_image *images[] = {make_image(rig, RIG_DEPTH_32, 0, depth),
                          make_normals(rig, normals, RIG_RGBA_FLOAT_32, RIG_RGBA_FLOAT_32)};
   picture shadow = draw_seen(&stage, (seen){.depth = images[0], .normals = images[1]});
-  for (uint32_t view = CSM_VIEW_CASCADE; view <= CSM_VIEW_DENSITY; ++view) {
-    picture without = draw_seen(&stage, (seen){.depth = images[0], .view = view});
-    picture with = draw_seen(&stage, (seen){.depth = images[0], .normals = images[1], .view = view});
+  for (uint32_t show = CSM_SHOW_CASCADE; show <= CSM_SHOW_DENSITY; ++show) {
+    picture without = draw_seen(&stage, (seen){.depth = images[0], .show = show});
+    picture with = draw_seen(&stage, (seen){.depth = images[0], .normals = images[1], .show = show});
     assert_true(picture_mask_difference(&without, &shadow, 2) > 1.0 / 8);
     picture_expect_equal(&without, &with);
     picture_free(&without);
@@ -282,10 +282,10 @@ static picture draw_meshes(stage *stage, const csm_mesh meshes[2], bool brief) {
   stage->scene.instances[1] = support_instance(meshes[0], -1, 2, 1, 3, 2, 3);
   stage->scene.instances[3] = support_instance(meshes[1], -6, 5, -9, 2, 1, 2);
   rig_begin(stage->rig);
-  const csm_frame frame = stage_frame(stage, 0);
-  stage_render(stage, &frame);
-  stage_resolve(stage, &frame, size);
-  picture_copy copy = picture_record(stage->rig, stage->cascades, size);
+  shot shot = stage_shot(stage, 0);
+  stage_render(stage, &shot);
+  stage_resolve(stage, &shot, size);
+  picture_copy copy = stage_record(stage, size);
   for (int i = 0; brief && i < 2; ++i)
     assert_int_equal(csm_mesh_destroy(stage->context, meshes[i]), CSM_SUCCESS);
   stage_finish(stage);
@@ -337,7 +337,7 @@ int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(own_depth_gives_the_same_mask),
       cmocka_unit_test(normals_of_every_coding_agree),
-      cmocka_unit_test(views_need_no_normals),
+      cmocka_unit_test(what_is_shown_instead_needs_no_normals),
       cmocka_unit_test(own_buffers_draw_as_copies_on_a_typical_device),
       cmocka_unit_test(own_buffers_draw_as_copies_on_a_bare_device),
   };

@@ -133,40 +133,44 @@ static csm_result cascades(life *life) {
   return csm_cascades_create(life->context, &small, &life->cascades);
 }
 
+static csm_result view(life *life) {
+  return csm_view_create(life->context, &life->view);
+}
+
 static csm_result reconfigure(life *life) {
   const csm_config more = life_config(CASCADES + 1);
   return csm_cascades_configure(life->cascades, &more);
 }
 
-static csm_frame frame(life *life) {
+static shot next_shot(life *life) {
   rig *rig = life->props->rig;
-  csm_frame frame = life->scene.frame;
-  frame.flags = CSM_FRAME_TIMESTAMPS;
-  frame.instances = life->instances;
-  frame.instance_count = 3;
+  shot shot = life->scene.shot;
+  shot.frame.flags = CSM_FRAME_TIMESTAMPS;
+  shot.frame.instances = life->instances;
+  shot.frame.instance_count = 3;
   if (!rig)
-    return frame;
+    return shot;
   if (!life->recording)
     rig_begin(rig);
   life->recording = true;
-  frame.frame = rig_frame(rig);
-  frame.command_buffer = rig_commands(rig);
-  return frame;
+  shot.frame.frame = rig_frame(rig);
+  shot.frame.command_buffer = rig_commands(rig);
+  return shot;
 }
 
 csm_result life_render(life *life) {
-  const csm_frame it = frame(life);
-  return csm_render_cascades(life->cascades, &it);
+  shot shot = next_shot(life);
+  return csm_render_cascades(life->cascades, shot_frame(&shot));
 }
 
 static csm_result resolve(life *life, bool images) {
-  const csm_frame it = frame(life);
-  csm_mask_info mask = {.struct_size = sizeof mask, .frame = &it, .width = WIDTH, .height = HEIGHT};
+  shot shot = next_shot(life);
+  csm_mask_info mask = {.struct_size = sizeof mask, .frame = shot_frame(&shot), .width = WIDTH, .height = HEIGHT};
   if (images && life->props->rig) {
     mask.camera_depth = rig_image_native(life->props->depth);
     mask.normals = rig_image_native(life->props->normals);
   }
-  return csm_resolve_mask(life->cascades, &mask);
+  return csm_resolve_mask(life->view, life->cascades, &mask);
 }
 
 csm_result life_resolve(life *life) {
@@ -188,12 +192,14 @@ static csm_result finish_own(life *life) {
   static float map[RESOLUTION * RESOLUTION], mask[WIDTH * HEIGHT];
   csm_stats stats = {.struct_size = sizeof stats};
   csm_result result = csm_get_stats(life->cascades, &stats);
-  const csm_read_info maps = {.struct_size = sizeof maps, .cascade = 1, .data = map, .size = sizeof map};
-  const csm_read_info masks = {.struct_size = sizeof masks, .source = CSM_READ_MASK, .data = mask, .size = sizeof mask};
+  const csm_read_info maps = {
+      .struct_size = sizeof maps, .cascades = life->cascades, .cascade = 1, .data = map, .size = sizeof map};
+  const csm_read_info masks = {
+      .struct_size = sizeof masks, .source = CSM_READ_MASK, .view = life->view, .data = mask, .size = sizeof mask};
   if (!result)
-    result = csm_read(life->cascades, &maps);
+    result = csm_read(life->context, &maps);
   if (!result)
-    result = csm_read(life->cascades, &masks);
+    result = csm_read(life->context, &masks);
   picture_free(&life->picture);
   life->picture = (picture){.count = 2};
   life->picture.layers[0] = (picture_layer){RESOLUTION, RESOLUTION, malloc(sizeof map)};
@@ -208,7 +214,7 @@ csm_result life_finish(life *life) {
   if (!rig)
     return finish_own(life);
   if (life->recording) {
-    picture_copy copy = picture_record(rig, life->cascades, mask_size);
+    picture_copy copy = picture_record(rig, life->cascades, life->view, mask_size);
     end_frame(life);
     picture_free(&life->picture);
     life->picture = picture_take(rig, &copy);
@@ -223,11 +229,11 @@ csm_result life_switch(life *life) {
 
 typedef csm_result (*step)(life *life);
 
-static const step steps[] = {create,      ground,       boxes,       hills,       cascades,           life_render,
-                             life_resolve, life_finish, life_render, life_resolve_images, life_finish, reconfigure,
-                             life_render, life_resolve, life_finish, life_switch, life_render,        life_resolve,
-                             life_finish};
-enum { STEPS = sizeof steps / sizeof steps[0], FIRST_PICTURE = 7, LAST_PICTURE = STEPS - 1 };
+static const step steps[] = {create,      ground,       boxes,       hills,        cascades,    view,
+                             life_render, life_resolve, life_finish, life_render,  life_resolve_images, life_finish,
+                             reconfigure, life_render,  life_resolve, life_finish, life_switch, life_render,
+                             life_resolve, life_finish};
+enum { STEPS = sizeof steps / sizeof steps[0], FIRST_PICTURE = 8, LAST_PICTURE = STEPS - 1 };
 
 static bool opens(step step) {
   return step == create || step == life_switch;
@@ -303,16 +309,12 @@ static void arm(life *life, const rig_fault *fault, uint32_t call) {
   life->record.allocations_left = fault->code ? -1 : (int64_t)call - 1;
 }
 
-static void disarm(life *life) {
-  life->record.allocations_left = -1;
-}
-
-/* No call fails from now on; what failed is remembered. */
-static csm_result try_step(life *life, const rig_fault *fault, uint32_t call, int index, const char **failed) {
+/* One call of the step fails, if it makes so many. */
+static csm_result try_step(life *life, const rig_fault *fault, uint32_t call, int index) {
   arm(life, fault, call);
   const csm_result result = steps[index](life);
-  *failed = rig_failed();
-  disarm(life);
+  rig_fail(NULL, 0);
+  life->record.allocations_left = -1;
   return result;
 }
 
@@ -320,8 +322,7 @@ static csm_result try_step(life *life, const rig_fault *fault, uint32_t call, in
    often it failed. */
 static uint32_t open_at_last(life *life, const rig_fault *fault, int index, const picture *before) {
   for (uint32_t call = 1;; ++call) {
-    const char *failed;
-    const csm_result result = try_step(life, fault, call, index, &failed);
+    const csm_result result = try_step(life, fault, call, index);
     if (!result) {
       assert_true(call > 4);
       return call - 1;
@@ -362,9 +363,7 @@ static uint32_t live(props *props, const rig_fault *fault, uint32_t call, const 
       failures += open_at_last(&life, fault, i, i ? &expected[i - 1] : NULL);
       continue;
     }
-    const char *failed = NULL;
-    csm_result result =
-        tried[i] || opens(steps[i]) ? steps[i](&life) : try_step(&life, fault, call, i, &failed);
+    csm_result result = tried[i] || opens(steps[i]) ? steps[i](&life) : try_step(&life, fault, call, i);
     if (result && !tried[i]) {
       tried[i] = true;
       ++failures;

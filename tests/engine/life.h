@@ -21,6 +21,7 @@ typedef struct life {
   props *props;
   csm_context *context;
   csm_cascades *cascades;
+  csm_view *view;
   support_scene scene;
   csm_instance instances[3];
   bool recording; /* the engine's command buffer is open */

@@ -169,15 +169,15 @@ static void meshes_are_checked(void **state) {
 
 /* In a frame that is open, whose maps are drawn. */
 static void expect_images(fixture *f, const void *depth, const void *normals, const misuse *row) {
-  const csm_frame frame = stage_frame(&f->stage, 0);
+  shot shot = stage_shot(&f->stage, 0);
   const csm_mask_info mask = {.struct_size = sizeof mask,
-                              .frame = &frame,
+                              .frame = shot_frame(&shot),
                               .width = size.width,
                               .height = size.height,
                               .camera_depth = depth,
                               .normals = normals};
   f->stage.record.said[0] = '\0';
-  const csm_result result = csm_resolve_mask(f->stage.cascades, &mask);
+  const csm_result result = csm_resolve_mask(f->stage.view, f->stage.cascades, &mask);
   misuse_expect(row, result, f->stage.record.said);
   assert_true(!result || csm_last_error(f->stage.context)[0]);
 }
@@ -191,8 +191,8 @@ static void images_are_checked(void **state) {
   fixture_open(&f);
   const uint32_t count = rig_misuses(f.rig, RIG_IMAGE, f.image, &f.buffer, &good, rows);
   rig_begin(f.rig);
-  const csm_frame frame = stage_frame(&f.stage, 0);
-  stage_render(&f.stage, &frame);
+  shot shot = stage_shot(&f.stage, 0);
+  stage_render(&f.stage, &shot);
   for (uint32_t i = 0; i < count; ++i) {
     rig_native wrong = good;
     misuse_apply(&rows[i], &wrong);
@@ -207,19 +207,17 @@ static void images_are_checked(void **state) {
 /* ---- frames ---- */
 
 static csm_result render(const stage *stage, uint64_t number, void *commands) {
-  csm_frame frame = stage_frame(stage, 0);
-  frame.frame = number;
-  frame.command_buffer = commands;
-  return csm_render_cascades(stage->cascades, &frame);
+  shot shot = stage_shot(stage, 0);
+  shot.frame.frame = number;
+  shot.frame.command_buffer = commands;
+  return csm_render_cascades(stage->cascades, shot_frame(&shot));
 }
 
 static csm_result resolve(const stage *stage, uint64_t number, void *commands) {
-  csm_frame frame = stage_frame(stage, 0);
-  frame.frame = number;
-  frame.command_buffer = commands;
-  const csm_mask_info info = {
-      .struct_size = sizeof info, .frame = &frame, .width = size.width, .height = size.height};
-  return csm_resolve_mask(stage->cascades, &info);
+  shot shot = stage_shot(stage, 0);
+  shot.frame.frame = number;
+  shot.frame.command_buffer = commands;
+  return shot_resolve(&shot, stage->view, stage->cascades, size.width, size.height);
 }
 
 static void frames_are_counted(void **state) {
@@ -251,9 +249,10 @@ static void frames_are_counted(void **state) {
   assert_int_equal(render(&stage, 40, commands), CSM_ERROR_INVALID_STATE);
   assert_int_equal(resolve(&stage, 41, commands), CSM_ERROR_INVALID_STATE);
   assert_int_equal(resolve(&stage, 30, commands), CSM_SUCCESS);
-  const csm_read_info read = {.struct_size = sizeof read, .data = texels, .size = sizeof texels};
-  assert_int_equal(csm_read(stage.cascades, &read), CSM_ERROR_UNSUPPORTED);
-  picture_copy copy = picture_record(rig, stage.cascades, size);
+  const csm_read_info read = {
+      .struct_size = sizeof read, .cascades = stage.cascades, .data = texels, .size = sizeof texels};
+  assert_int_equal(csm_read(stage.context, &read), CSM_ERROR_UNSUPPORTED);
+  picture_copy copy = stage_record(&stage, size);
   rig_end(rig);
   rig_run(rig, rig_frame(rig));
   picture drawn = picture_take(rig, &copy);

@@ -4,21 +4,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-static csm_binding bind(csm_cascades *cascades) {
-  csm_binding binding = {.struct_size = sizeof binding};
+static csm_binding bind(csm_cascades *cascades, csm_view *view) {
+  csm_binding binding = {.struct_size = sizeof binding, .view = view};
   assert_int_equal(csm_bind(cascades, &binding), CSM_SUCCESS);
   return binding;
 }
 
-picture picture_read(csm_cascades *own, picture_size mask) {
-  const csm_binding binding = bind(own);
+picture picture_read(csm_context *context, csm_cascades *cascades, csm_view *view, picture_size mask) {
+  const csm_binding binding = bind(cascades, view);
   picture out = {.count = binding.cascade_count};
   for (uint32_t i = 0; i < out.count; ++i)
-    out.layers[i] = (picture_layer){binding.resolution, binding.resolution,
-                                    support_read(own, CSM_READ_MAP, i, binding.resolution, binding.resolution)};
+    out.layers[i] = (picture_layer){binding.resolutions[i], binding.resolutions[i],
+                                    support_map(context, cascades, i, binding.resolutions[i])};
   if (mask.width)
     out.layers[out.count++] =
-        (picture_layer){mask.width, mask.height, support_read(own, CSM_READ_MASK, 0, mask.width, mask.height)};
+        (picture_layer){mask.width, mask.height, support_image(context, view, CSM_READ_MASK, mask.width, mask.height)};
   return out;
 }
 
@@ -26,9 +26,9 @@ static uint64_t map_bytes(const picture_copy *copy) {
   return (uint64_t)rig_pitch(copy->resolution, sizeof(float)) * copy->resolution;
 }
 
-picture_copy picture_record(rig *rig, csm_cascades *cascades, picture_size mask) {
-  const csm_binding binding = bind(cascades);
-  picture_copy copy = {.cascades = binding.cascade_count, .resolution = binding.resolution, .mask = mask};
+picture_copy picture_record(rig *rig, csm_cascades *cascades, csm_view *view, picture_size mask) {
+  const csm_binding binding = bind(cascades, view);
+  picture_copy copy = {.cascades = binding.cascade_count, .resolution = binding.resolutions[0], .mask = mask};
   const uint64_t maps = copy.cascades * map_bytes(&copy);
   copy.buffer = rig_buffer_make(rig, RIG_READBACK, maps + (uint64_t)rig_pitch(mask.width, 1) * mask.height);
   for (uint32_t i = 0; i < copy.cascades; ++i)

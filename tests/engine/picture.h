@@ -20,7 +20,7 @@ typedef struct picture_size {
 } picture_size;
 
 /* From a context with a device of its own, which waits. */
-picture picture_read(csm_cascades *own, picture_size mask);
+picture picture_read(csm_context *context, csm_cascades *cascades, csm_view *view, picture_size mask);
 
 /* Copies recorded into an engine's command buffer, to be taken when it has run. */
 typedef struct picture_copy {
@@ -29,7 +29,7 @@ typedef struct picture_copy {
   picture_size mask;
 } picture_copy;
 
-picture_copy picture_record(rig *rig, csm_cascades *cascades, picture_size mask);
+picture_copy picture_record(rig *rig, csm_cascades *cascades, csm_view *view, picture_size mask);
 picture picture_take(rig *rig, picture_copy *copy);
 
 void picture_free(picture *picture);

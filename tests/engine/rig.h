@@ -20,6 +20,7 @@ typedef struct rig rig;
 typedef enum rig_kind {
   RIG_TYPICAL, /* as engines open their devices */
   RIG_BARE,    /* with no more than csm requires; the same as the typical one where there is nothing to leave out */
+  RIG_MODERN,  /* with all that an engine may lend: its allocator, its pipeline cache, dynamic rendering */
   RIG_FAILING  /* bare, and any call of csm's can be made to fail; one in a program */
 } rig_kind;
 
@@ -47,6 +48,15 @@ void *rig_commands(const rig *rig);
 void rig_run(rig *rig, uint64_t frame);
 /* What was recorded for the last frame, which has ended, is never run. */
 void rig_drop(rig *rig);
+
+/* ---- memory that a rig of kind RIG_MODERN lends ---- */
+
+typedef struct rig_lent {
+  uint32_t requests, pieces, most; /* made so far; pieces that csm has now, and had at most */
+  uint32_t refuse_at;              /* the request that is refused, from 1; 0: none */
+} rig_lent;
+
+rig_lent *rig_lent_memory(rig *rig);
 
 /* ---- buffers ---- */
 
@@ -134,13 +144,21 @@ typedef struct rig_caster rig_caster;
 
 enum { RIG_CASTER_INSTANCES = 8, RIG_ROWS = 12 };
 
-rig_caster *rig_caster_make(rig *rig, const float (*positions)[3], uint32_t vertex_count, const uint16_t *indices,
-                            uint32_t index_count);
+/* What a caster is made of. */
+typedef struct rig_caster_info {
+  const float (*positions)[3];
+  const uint16_t *indices;
+  uint32_t vertex_count, index_count;
+  csm_draw_target target; /* that its pipeline is built for */
+} rig_caster_info;
+
+rig_caster *rig_caster_make(rig *rig, const rig_caster_info *info);
 void rig_caster_free(rig_caster *caster);
 /* Draws `count` instances in a callback of csm's, at most RIG_CASTER_INSTANCES in each cascade; changes every state
    that it may. */
 void rig_caster_draw(rig_caster *caster, const csm_draw_info *info, const float (*rows)[RIG_ROWS], uint32_t count);
-/* Asserts what the API promises of the callback's target. */
+/* Asserts what the API promises of a target, of maps in 32 or 16 bits; and of a callback's. */
+void rig_check_target(const rig *rig, const csm_draw_target *target, uint32_t map_format);
 void rig_check_draw(const rig *rig, const csm_draw_info *info);
 
 /* ---- misuse: an API's own structs, of which one field is wrong in each row ---- */
@@ -170,9 +188,9 @@ typedef struct rig_fault {
 extern const rig_fault rig_faults[];
 extern const uint32_t rig_fault_count;
 
-/* Lets the nth call from now on that can fail do so; 0: none. */
+/* Lets the nth call from now on that can fail do so; 0: none does, and which one did is remembered. */
 void rig_fail(const rig_fault *fault, uint32_t nth);
-/* The function that failed since the last rig_fail, or NULL. */
+/* The function that failed since a call was last told to, or NULL. */
 const char *rig_failed(void);
 /* Whether an error of that function loses what was recorded, and the device with it. */
 bool rig_loses_recording(const char *function);

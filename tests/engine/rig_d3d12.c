@@ -110,6 +110,8 @@ rig *rig_open(rig_kind kind) {
       .device = kind == RIG_FAILING ? d3d12_faults_open(rig->device) : rig->device,
       .serialize_root_signature = (void *)D3D12SerializeRootSignature,
   };
+  if (kind == RIG_MODERN)
+    rig_d3d12_lend(rig);
   for (uint32_t f = 0; f < RIG_FRAMES; ++f)
     for (uint32_t i = 0; i < RIG_LISTS; ++i)
       make_list(rig, &rig->frames[f].allocators[i], &rig->frames[f].lists[i]);
@@ -131,15 +133,20 @@ void rig_close(rig *rig) {
       (PFN_vkDestroyDebugUtilsMessengerEXT)instance_function(rig, "vkDestroyDebugUtilsMessengerEXT");
   destroy(vkd3d_instance_get_vk_instance(rig->instance), rig->messenger, NULL);
   vkd3d_instance_decref(rig->instance);
-  const uint32_t messages = rig->messages;
+  const uint32_t messages = rig->messages, pieces = rig->lent.pieces;
   free(rig);
   assert_int_equal(messages, 0);
   assert_int_equal(references, 0);
+  assert_int_equal(pieces, 0);
 }
 
 void rig_give(const rig *rig, csm_create_info *info) {
   info->d3d12 = &rig->native;
   info->flags &= ~(uint32_t)CSM_CREATE_VALIDATE;
+}
+
+rig_lent *rig_lent_memory(rig *rig) {
+  return &rig->lent;
 }
 
 uint32_t rig_messages(const rig *rig) {

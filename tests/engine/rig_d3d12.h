@@ -27,8 +27,13 @@ struct rig {
     uint32_t count;
   } frames[RIG_FRAMES];
   uint64_t frame, done;
+
+  rig_lent lent;
+  uint32_t lent_kinds; /* bits: heap types that pieces were asked for */
 };
 
+/* Lends the rig's memory to csm. */
+void rig_d3d12_lend(rig *rig);
 /* Ends the program with a text if `hr` is a failure. */
 void rig_d3d12_must(HRESULT hr, const char *what);
 /* References that an object has. */

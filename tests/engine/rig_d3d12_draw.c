@@ -60,7 +60,7 @@ struct rig_caster {
 
 enum { ROWS_OF_CASCADE = RIG_CASTER_INSTANCES * RIG_ROWS * sizeof(float) };
 
-static rig_d3d12_pipeline make_pipeline(rig *rig) {
+static rig_d3d12_pipeline make_pipeline(rig *rig, const csm_draw_target *target) {
   static const D3D12_INPUT_ELEMENT_DESC elements[] = {
       {"ATTRIBUTE", 0, DXGI_FORMAT_R32G32B32_FLOAT, 0, 0, D3D12_INPUT_CLASSIFICATION_PER_VERTEX_DATA, 0},
       {"ATTRIBUTE", 1, DXGI_FORMAT_R32G32B32A32_FLOAT, FIRST_FREE_STREAM, 0,
@@ -74,26 +74,25 @@ static rig_d3d12_pipeline make_pipeline(rig *rig) {
       .VS = {shader_caster_vs.dxbc, shader_caster_vs.dxbc_size},
       .DepthStencilState = {.DepthEnable = TRUE,
                             .DepthWriteMask = D3D12_DEPTH_WRITE_MASK_ALL,
-                            .DepthFunc = D3D12_COMPARISON_FUNC_LESS},
+                            .DepthFunc = target->reversed ? D3D12_COMPARISON_FUNC_GREATER : D3D12_COMPARISON_FUNC_LESS},
       .InputLayout = {elements, sizeof elements / sizeof *elements},
-      .DSVFormat = DXGI_FORMAT_D32_FLOAT,
+      .DSVFormat = target->depth_format,
   };
   return rig_d3d12_pipeline_make(rig, 0, &info);
 }
 
-rig_caster *rig_caster_make(rig *rig, const float (*positions)[3], uint32_t vertex_count, const uint16_t *indices,
-                            uint32_t index_count) {
+rig_caster *rig_caster_make(rig *rig, const rig_caster_info *info) {
   const D3D12_DESCRIPTOR_HEAP_DESC heap = {.Type = D3D12_DESCRIPTOR_HEAP_TYPE_CBV_SRV_UAV,
                                            .NumDescriptors = 4,
                                            .Flags = D3D12_DESCRIPTOR_HEAP_FLAG_SHADER_VISIBLE};
   rig_caster *caster = calloc(1, sizeof *caster);
   assert_non_null(caster);
-  *caster = (rig_caster){.rig = rig, .index_count = index_count, .pipeline = make_pipeline(rig)};
-  caster->vertices = rig_buffer_make(rig, RIG_GEOMETRY, vertex_count * sizeof *positions);
-  caster->indices = rig_buffer_make(rig, RIG_GEOMETRY, index_count * sizeof *indices);
+  *caster = (rig_caster){.rig = rig, .index_count = info->index_count, .pipeline = make_pipeline(rig, &info->target)};
+  caster->vertices = rig_buffer_make(rig, RIG_GEOMETRY, info->vertex_count * sizeof *info->positions);
+  caster->indices = rig_buffer_make(rig, RIG_GEOMETRY, info->index_count * sizeof *info->indices);
   caster->rows = rig_buffer_make(rig, RIG_GEOMETRY, CSM_MAX_CASCADES * ROWS_OF_CASCADE);
-  memcpy(caster->vertices.mapped, positions, vertex_count * sizeof *positions);
-  memcpy(caster->indices.mapped, indices, index_count * sizeof *indices);
+  memcpy(caster->vertices.mapped, info->positions, info->vertex_count * sizeof *info->positions);
+  memcpy(caster->indices.mapped, info->indices, info->index_count * sizeof *info->indices);
   rig_d3d12_must(
       ID3D12Device_CreateDescriptorHeap(rig->device, &heap, &IID_ID3D12DescriptorHeap, (void **)&caster->heap),
       "a heap");
@@ -136,9 +135,13 @@ void rig_caster_draw(rig_caster *caster, const csm_draw_info *info, const float 
   ID3D12GraphicsCommandList_RSSetScissorRects(list, 1, &(D3D12_RECT){.right = 1, .bottom = 1});
 }
 
+void rig_check_target(const rig *rig, const csm_draw_target *target, uint32_t map_format) {
+  (void)rig;
+  assert_int_equal(target->depth_format, map_format == CSM_MAP_D16 ? DXGI_FORMAT_D16_UNORM : DXGI_FORMAT_D32_FLOAT);
+  assert_true(target->render_pass == 0 && target->dynamic_rendering == 0);
+}
+
 void rig_check_draw(const rig *rig, const csm_draw_info *info) {
   (void)rig;
-  assert_int_equal(info->depth_format, DXGI_FORMAT_D32_FLOAT);
   assert_true(info->depth_view != 0);
-  assert_true(info->render_pass == 0);
 }

@@ -197,7 +197,8 @@ const rig_fault rig_faults[] = {
 const uint32_t rig_fault_count = sizeof rig_faults / sizeof rig_faults[0];
 
 void rig_fail(const rig_fault *fault, uint32_t nth) {
-  faults.failed = NULL;
+  if (nth)
+    faults.failed = NULL;
   faults.failure = fault ? fault->code : S_OK;
   faults.fail_at = nth && faults.failure ? faults.calls + nth : 0;
 }

@@ -3,15 +3,26 @@
 
 #include <string.h>
 
+static int32_t CSM_CALL lend(void *user, const csm_d3d12_memory_request *request, csm_d3d12_memory *out) {
+  (void)user, (void)request, (void)out;
+  return E_OUTOFMEMORY;
+}
+
+static void CSM_CALL take_back(void *user, const csm_d3d12_memory *memory) {
+  (void)user, (void)memory;
+}
+
 #define DEVICE(field) FIELD(csm_d3d12_device, field)
 #define IMAGE(field) FIELD(csm_d3d12_image, field)
 #define MESH(field) FIELD(csm_d3d12_mesh, field)
 
 static uint32_t device_rows(const rig *rig, rig_native *good, misuse *out) {
-  static const misuse rows[] = {
+  const misuse rows[] = {
       {"no device", DEVICE(device), {0}, CSM_ERROR_NULL_POINTER, "device"},
       {"no serialiser", DEVICE(serialize_root_signature), {0}, CSM_ERROR_NULL_POINTER, "serialize_root_signature"},
       {"reserved", DEVICE(reserved), {1}, CSM_ERROR_INVALID_VALUE, "reserved"},
+      {"no free_memory", DEVICE(allocate_memory), {(uintptr_t)lend}, CSM_ERROR_NULL_POINTER, "free_memory"},
+      {"no allocate_memory", DEVICE(free_memory), {(uintptr_t)take_back}, CSM_ERROR_NULL_POINTER, "allocate_memory"},
       {"no size", DEVICE(struct_size), {0}, CSM_ERROR_STRUCT_SIZE, "struct_size"},
       {"an odd size", DEVICE(struct_size), {17}, CSM_ERROR_STRUCT_SIZE, "struct_size"},
       {"an older struct, without a serialiser",

@@ -10,9 +10,19 @@
 
 /* How an engine's device is opened. */
 typedef struct device_wish {
-  bool typical; /* as Godot 4.6 opens one: 1.2 without any of its features, depthBiasClamp, debug utils; else 1.1 */
-  bool clamps;  /* depthClamp is on */
+  uint32_t version;
+  bool rich;     /* depthBiasClamp and debug utils */
+  bool clamps;   /* depthClamp is on */
+  bool lends;    /* memory, a pipeline cache and dynamic rendering */
+  bool failing;
 } device_wish;
+
+/* As Godot 4.6 opens one: 1.2 without any of its features. */
+static const device_wish typical = {.version = VK_API_VERSION_1_2, .rich = true, .clamps = true};
+static const device_wish bare = {.version = VK_API_VERSION_1_1, .clamps = true};
+static const device_wish modern = {.version = VK_API_VERSION_1_3, .clamps = true, .lends = true};
+static const device_wish failing = {.version = VK_API_VERSION_1_1, .clamps = true, .failing = true};
+static const device_wish clipping = {.version = VK_API_VERSION_1_1};
 
 void rig_vulkan_must(VkResult result, const char *what) {
   if (result == VK_SUCCESS)
@@ -44,10 +54,6 @@ static bool has_validation(void) {
   return false;
 }
 
-static uint32_t api_version(device_wish wish) {
-  return wish.typical ? VK_API_VERSION_1_2 : VK_API_VERSION_1_1;
-}
-
 static void open_instance(rig *rig, device_wish wish) {
   const bool validation = has_validation();
   const VkDebugReportCallbackCreateInfoEXT report = {.sType = VK_STRUCTURE_TYPE_DEBUG_REPORT_CALLBACK_CREATE_INFO_EXT,
@@ -62,13 +68,13 @@ static void open_instance(rig *rig, device_wish wish) {
                                             .pEnabledValidationFeatures = enabled};
   const VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
                                          .pApplicationName = "an engine",
-                                         .apiVersion = api_version(wish)};
+                                         .apiVersion = wish.version};
   const char *const layers[] = {VALIDATION};
   const char *extensions[2];
   uint32_t count = 0;
   if (validation)
     extensions[count++] = VK_EXT_DEBUG_REPORT_EXTENSION_NAME;
-  if (wish.typical)
+  if (wish.rich)
     extensions[count++] = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
   const VkInstanceCreateInfo create = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
                                        .pNext = validation ? &features : NULL,
@@ -101,13 +107,16 @@ static void open_device(rig *rig, device_wish wish) {
   const VkResult found = vkEnumeratePhysicalDevices(rig->instance, &count, &rig->physical);
   rig_vulkan_must(count == 1 && found >= 0 ? VK_SUCCESS : VK_ERROR_INITIALIZATION_FAILED, "a Vulkan device");
   rig->family = graphics_family(rig->physical);
-  rig->features = (VkPhysicalDeviceFeatures){.depthClamp = wish.clamps, .depthBiasClamp = wish.typical};
+  rig->features = (VkPhysicalDeviceFeatures){.depthClamp = wish.clamps, .depthBiasClamp = wish.rich};
   const float priority = 1;
   const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                          .queueFamilyIndex = rig->family,
                                          .queueCount = 1,
                                          .pQueuePriorities = &priority};
+  const VkPhysicalDeviceVulkan13Features rendering = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
+                                                      .dynamicRendering = VK_TRUE};
   const VkDeviceCreateInfo create = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                     .pNext = wish.lends ? &rendering : NULL,
                                      .queueCreateInfoCount = 1,
                                      .pQueueCreateInfos = &queue,
                                      .pEnabledFeatures = &rig->features};
@@ -132,7 +141,7 @@ static void open_frames(rig *rig) {
   }
 }
 
-static rig *open_rig(device_wish wish, PFN_vkGetInstanceProcAddr functions) {
+static rig *open_rig(device_wish wish) {
   rig *rig = calloc(1, sizeof *rig);
   if (!rig)
     abort();
@@ -140,23 +149,25 @@ static rig *open_rig(device_wish wish, PFN_vkGetInstanceProcAddr functions) {
   open_device(rig, wish);
   open_frames(rig);
   rig->native = (csm_vulkan_device){.struct_size = sizeof rig->native,
-                                    .api_version = api_version(wish),
+                                    .api_version = wish.version,
                                     .instance = rig->instance,
                                     .physical_device = rig->physical,
                                     .device = rig->device,
                                     .queue_family = rig->family,
-                                    .get_instance_proc_addr = functions,
+                                    .get_instance_proc_addr =
+                                        wish.failing ? faults_get_instance_proc_addr : vkGetInstanceProcAddr,
                                     .features = &rig->features};
+  if (wish.lends)
+    rig_vulkan_lend(rig);
   return rig;
 }
 
 rig *rig_open(rig_kind kind) {
-  return open_rig((device_wish){.typical = kind == RIG_TYPICAL, .clamps = true},
-                  kind == RIG_FAILING ? faults_get_instance_proc_addr : vkGetInstanceProcAddr);
+  return open_rig(kind == RIG_TYPICAL ? typical : kind == RIG_BARE ? bare : kind == RIG_MODERN ? modern : failing);
 }
 
 rig *rig_vulkan_open_clipping(void) {
-  return open_rig((device_wish){0}, vkGetInstanceProcAddr);
+  return open_rig(clipping);
 }
 
 void rig_close(rig *rig) {
@@ -165,18 +176,24 @@ void rig_close(rig *rig) {
     vkDestroyFence(rig->device, rig->frames[i].fence, NULL);
     vkDestroyCommandPool(rig->device, rig->frames[i].pool, NULL);
   }
+  vkDestroyPipelineCache(rig->device, rig->cache, NULL);
   vkDestroyDevice(rig->device, NULL);
   if (rig->reporter)
     ((PFN_vkDestroyDebugReportCallbackEXT)vkGetInstanceProcAddr(rig->instance, "vkDestroyDebugReportCallbackEXT"))(
         rig->instance, rig->reporter, NULL);
   vkDestroyInstance(rig->instance, NULL);
-  const uint32_t messages = rig->messages;
+  const uint32_t messages = rig->messages, pieces = rig->lent.pieces;
   free(rig);
   assert_int_equal(messages, 0);
+  assert_int_equal(pieces, 0);
 }
 
 void rig_give(const rig *rig, csm_create_info *info) {
   info->vulkan = &rig->native;
+}
+
+rig_lent *rig_lent_memory(rig *rig) {
+  return &rig->lent;
 }
 
 uint32_t rig_messages(const rig *rig) {

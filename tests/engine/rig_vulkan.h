@@ -27,11 +27,20 @@ struct rig {
     VkFence fence;
   } frames[RIG_FRAMES];
   uint64_t frame, done;
+
+  rig_lent lent;
+  VkPipelineCache cache;
 };
 
 /* Opens a device on which depthClamp is off: csm cannot use it. */
 rig *rig_vulkan_open_clipping(void);
 void rig_vulkan_must(VkResult result, const char *what);
+/* Lends the rig's memory and pipeline cache to csm, and says that dynamic rendering is on. */
+void rig_vulkan_lend(rig *rig);
+/* Pipelines that modern engines' devices made with their cache, and without. */
+void rig_vulkan_pipelines(uint32_t *with_cache, uint32_t *without);
+/* A memory type that has the flags; UINT32_MAX: none. */
+uint32_t rig_vulkan_memory_type(const rig *rig, uint32_t allowed, VkMemoryPropertyFlags flags);
 VkDeviceMemory rig_vulkan_allocate(const rig *rig, const VkMemoryRequirements *needs, VkMemoryPropertyFlags flags);
 
 #endif

@@ -14,35 +14,9 @@ struct rig_caster {
   uint32_t index_count;
   VkPipelineLayout layout;
   VkPipeline pipeline;
-  uint64_t pass; /* that the pipeline is for */
 };
 
 enum { ROWS_OF_CASCADE = RIG_CASTER_INSTANCES * RIG_ROWS * sizeof(float) };
-
-rig_caster *rig_caster_make(rig *rig, const float (*positions)[3], uint32_t vertex_count, const uint16_t *indices,
-                            uint32_t index_count) {
-  rig_caster *caster = calloc(1, sizeof *caster);
-  assert_non_null(caster);
-  *caster = (rig_caster){.rig = rig, .index_count = index_count};
-  caster->vertices = rig_buffer_make(rig, RIG_GEOMETRY, vertex_count * sizeof *positions);
-  caster->indices = rig_buffer_make(rig, RIG_GEOMETRY, index_count * sizeof *indices);
-  caster->rows = rig_buffer_make(rig, RIG_GEOMETRY, CSM_MAX_CASCADES * ROWS_OF_CASCADE);
-  memcpy(caster->vertices.mapped, positions, vertex_count * sizeof *positions);
-  memcpy(caster->indices.mapped, indices, index_count * sizeof *indices);
-  const VkPipelineLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
-  rig_vulkan_must(vkCreatePipelineLayout(rig->device, &layout, NULL, &caster->layout), "vkCreatePipelineLayout");
-  return caster;
-}
-
-void rig_caster_free(rig_caster *caster) {
-  rig *rig = caster->rig;
-  vkDestroyPipeline(rig->device, caster->pipeline, NULL);
-  vkDestroyPipelineLayout(rig->device, caster->layout, NULL);
-  rig_buffer_free(rig, &caster->vertices);
-  rig_buffer_free(rig, &caster->indices);
-  rig_buffer_free(rig, &caster->rows);
-  free(caster);
-}
 
 static VkShaderModule make_module(const rig *rig) {
   const VkShaderModuleCreateInfo code = {.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
@@ -54,7 +28,7 @@ static VkShaderModule make_module(const rig *rig) {
 }
 
 /* csm's viewport and scissor are set: the pipeline takes them as dynamic state. */
-static VkPipeline make_pipeline(const rig_caster *caster, VkRenderPass pass) {
+static VkPipeline make_pipeline(const rig_caster *caster, const csm_draw_target *target) {
   const VkShaderModule module = make_module(caster->rig);
   const VkPipelineShaderStageCreateInfo stage = {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
                                                  .stage = VK_SHADER_STAGE_VERTEX_BIT,
@@ -89,11 +63,16 @@ static VkPipeline make_pipeline(const rig_caster *caster, VkRenderPass pass) {
                                                            VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
                                                        .depthTestEnable = VK_TRUE,
                                                        .depthWriteEnable = VK_TRUE,
-                                                       .depthCompareOp = VK_COMPARE_OP_LESS};
+                                                       .depthCompareOp = target->reversed
+                                                                             ? VK_COMPARE_OP_GREATER
+                                                                             : VK_COMPARE_OP_LESS};
   const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
   const VkPipelineDynamicStateCreateInfo dynamic = {
       .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO, .dynamicStateCount = 2, .pDynamicStates = states};
+  const VkPipelineRenderingCreateInfo rendering = {.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
+                                                   .depthAttachmentFormat = target->depth_format};
   const VkGraphicsPipelineCreateInfo create = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+                                               .pNext = target->dynamic_rendering ? &rendering : NULL,
                                                .stageCount = 1,
                                                .pStages = &stage,
                                                .pVertexInputState = &input,
@@ -104,7 +83,7 @@ static VkPipeline make_pipeline(const rig_caster *caster, VkRenderPass pass) {
                                                .pDepthStencilState = &depth,
                                                .pDynamicState = &dynamic,
                                                .layout = caster->layout,
-                                               .renderPass = pass};
+                                               .renderPass = (VkRenderPass)target->render_pass};
   VkPipeline pipeline;
   rig_vulkan_must(vkCreateGraphicsPipelines(caster->rig->device, VK_NULL_HANDLE, 1, &create, NULL, &pipeline),
                   "vkCreateGraphicsPipelines");
@@ -112,14 +91,34 @@ static VkPipeline make_pipeline(const rig_caster *caster, VkRenderPass pass) {
   return pipeline;
 }
 
+rig_caster *rig_caster_make(rig *rig, const rig_caster_info *info) {
+  rig_caster *caster = calloc(1, sizeof *caster);
+  assert_non_null(caster);
+  *caster = (rig_caster){.rig = rig, .index_count = info->index_count};
+  caster->vertices = rig_buffer_make(rig, RIG_GEOMETRY, info->vertex_count * sizeof *info->positions);
+  caster->indices = rig_buffer_make(rig, RIG_GEOMETRY, info->index_count * sizeof *info->indices);
+  caster->rows = rig_buffer_make(rig, RIG_GEOMETRY, CSM_MAX_CASCADES * ROWS_OF_CASCADE);
+  memcpy(caster->vertices.mapped, info->positions, info->vertex_count * sizeof *info->positions);
+  memcpy(caster->indices.mapped, info->indices, info->index_count * sizeof *info->indices);
+  const VkPipelineLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+  rig_vulkan_must(vkCreatePipelineLayout(rig->device, &layout, NULL, &caster->layout), "vkCreatePipelineLayout");
+  caster->pipeline = make_pipeline(caster, &info->target);
+  return caster;
+}
+
+void rig_caster_free(rig_caster *caster) {
+  rig *rig = caster->rig;
+  vkDestroyPipeline(rig->device, caster->pipeline, NULL);
+  vkDestroyPipelineLayout(rig->device, caster->layout, NULL);
+  rig_buffer_free(rig, &caster->vertices);
+  rig_buffer_free(rig, &caster->indices);
+  rig_buffer_free(rig, &caster->rows);
+  free(caster);
+}
+
 void rig_caster_draw(rig_caster *caster, const csm_draw_info *info, const float (*rows)[RIG_ROWS], uint32_t count) {
   const VkCommandBuffer commands = info->command_buffer;
   const VkDeviceSize offsets[2] = {0, info->cascade * (VkDeviceSize)ROWS_OF_CASCADE};
-  if (!caster->pipeline) {
-    caster->pipeline = make_pipeline(caster, (VkRenderPass)info->render_pass);
-    caster->pass = info->render_pass;
-  }
-  assert_true(caster->pass == info->render_pass);
   memcpy((char *)caster->rows.mapped + offsets[1], rows, count * sizeof *rows);
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, caster->pipeline);
   vkCmdBindVertexBuffers(commands, 0, 1, (VkBuffer *)&caster->vertices.object, &offsets[0]);
@@ -131,9 +130,13 @@ void rig_caster_draw(rig_caster *caster, const csm_draw_info *info, const float 
   vkCmdSetScissor(commands, 0, 1, &(VkRect2D){.extent = {1, 1}});
 }
 
+void rig_check_target(const rig *rig, const csm_draw_target *target, uint32_t map_format) {
+  assert_int_equal(target->depth_format, map_format == CSM_MAP_D16 ? VK_FORMAT_D16_UNORM : VK_FORMAT_D32_SFLOAT);
+  assert_int_equal(target->dynamic_rendering, rig->native.dynamic_rendering);
+  assert_int_equal(target->render_pass == 0, target->dynamic_rendering);
+}
+
 void rig_check_draw(const rig *rig, const csm_draw_info *info) {
   (void)rig;
-  assert_int_equal(info->depth_format, VK_FORMAT_D32_SFLOAT);
-  assert_true(info->render_pass != 0);
   assert_true(info->depth_view == 0);
 }

@@ -91,6 +91,18 @@ static VKAPI_ATTR VkResult VKAPI_CALL create_pipelines(VkDevice device, VkPipeli
   return result;
 }
 
+static VKAPI_ATTR VkResult VKAPI_CALL create_compute(VkDevice device, VkPipelineCache cache, uint32_t count,
+                                                     const VkComputePipelineCreateInfo *infos,
+                                                     const VkAllocationCallbacks *allocator, VkPipeline *out) {
+  VkResult result;
+  memset(out, 0, count * sizeof *out);
+  if (fails("vkCreateComputePipelines", &result))
+    return result;
+  result = vkCreateComputePipelines(device, cache, count, infos, allocator, out);
+  live[live_Pipeline] += result == VK_SUCCESS ? count : 0;
+  return result;
+}
+
 static VKAPI_ATTR void VKAPI_CALL destroy_pipeline(VkDevice device, VkPipeline pipeline,
                                                    const VkAllocationCallbacks *allocator) {
   live[live_Pipeline] -= pipeline != VK_NULL_HANDLE;
@@ -319,6 +331,7 @@ static const struct {
   PFN_vkVoidFunction function;
 } wrapped[] = {
     PLAIN_OBJECTS(ENTRIES){"vkCreateGraphicsPipelines", FUNCTION(create_pipelines)},
+    {"vkCreateComputePipelines", FUNCTION(create_compute)},
     {"vkDestroyPipeline", FUNCTION(destroy_pipeline)},
     {"vkCreateInstance", FUNCTION(create_instance)},
     {"vkDestroyInstance", FUNCTION(destroy_instance)},
@@ -375,7 +388,8 @@ const rig_fault rig_faults[] = {
 const uint32_t rig_fault_count = sizeof rig_faults / sizeof rig_faults[0];
 
 void rig_fail(const rig_fault *fault, uint32_t nth) {
-  faults.failed = NULL;
+  if (nth)
+    faults.failed = NULL;
   faults.result = fault ? fault->code : VK_SUCCESS;
   faults.fail_at = nth && faults.result ? faults.calls + nth : 0;
 }

@@ -8,6 +8,15 @@ static PFN_vkVoidFunction VKAPI_CALL knows_nothing(VkInstance instance, const ch
   return NULL;
 }
 
+static VkResult CSM_CALL lend(void *user, const csm_vulkan_memory_request *request, csm_vulkan_memory *out) {
+  (void)user, (void)request, (void)out;
+  return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+}
+
+static void CSM_CALL take_back(void *user, const csm_vulkan_memory *memory) {
+  (void)user, (void)memory;
+}
+
 #define DEVICE(field) FIELD(csm_vulkan_device, field)
 #define IMAGE(field) FIELD(csm_vulkan_image, field)
 #define MESH(field) FIELD(csm_vulkan_mesh, field)
@@ -28,6 +37,11 @@ static uint32_t device_rows(const rig *rig, rig_native *good, misuse *out) {
       {"an extension without a name", DEVICE(extension_count), {2}, CSM_ERROR_NULL_POINTER, "an element of extensions"},
       {"reserved", DEVICE(reserved), {1}, CSM_ERROR_INVALID_VALUE, "reserved"},
       {"reserved2", DEVICE(reserved2), {1}, CSM_ERROR_INVALID_VALUE, "reserved"},
+      {"reserved3", DEVICE(reserved3), {1}, CSM_ERROR_INVALID_VALUE, "reserved"},
+      {"dynamic rendering of 2", DEVICE(dynamic_rendering), {2}, CSM_ERROR_INVALID_VALUE, "dynamic_rendering"},
+      {"dynamic rendering on Vulkan 1.2", DEVICE(dynamic_rendering), {1}, CSM_ERROR_UNSUPPORTED, "dynamic"},
+      {"no free_memory", DEVICE(allocate_memory), {(uintptr_t)lend}, CSM_ERROR_NULL_POINTER, "free_memory"},
+      {"no allocate_memory", DEVICE(free_memory), {(uintptr_t)take_back}, CSM_ERROR_NULL_POINTER, "allocate_memory"},
       {"Vulkan 1.0", DEVICE(api_version), {VK_API_VERSION_1_0}, CSM_ERROR_UNSUPPORTED, "1.1"},
       {"no such queue family", DEVICE(queue_family), {9}, CSM_ERROR_UNSUPPORTED, "queue_family"},
       {"no features", DEVICE(features), {0}, CSM_ERROR_UNSUPPORTED, "depthClamp"},

@@ -5,12 +5,9 @@
 #include <string.h>
 
 VkDeviceMemory rig_vulkan_allocate(const rig *rig, const VkMemoryRequirements *needs, VkMemoryPropertyFlags flags) {
-  uint32_t type = 0;
-  while (type < rig->memory.memoryTypeCount &&
-         (!(needs->memoryTypeBits >> type & 1) || (rig->memory.memoryTypes[type].propertyFlags & flags) != flags))
-    ++type;
-  const VkMemoryAllocateInfo info = {
-      .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = needs->size, .memoryTypeIndex = type};
+  const VkMemoryAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+                                     .allocationSize = needs->size,
+                                     .memoryTypeIndex = rig_vulkan_memory_type(rig, needs->memoryTypeBits, flags)};
   VkDeviceMemory memory;
   rig_vulkan_must(vkAllocateMemory(rig->device, &info, NULL, &memory), "vkAllocateMemory");
   return memory;

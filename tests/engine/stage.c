@@ -23,6 +23,7 @@ void stage_open(stage *stage, rig *rig) {
   stage->config = support_config();
   stage->config.selection = CSM_SELECT_INTERVAL; /* the larger texels: normals of the depth decide fewer pixels */
   assert_int_equal(csm_cascades_create(stage->context, &stage->config, &stage->cascades), CSM_SUCCESS);
+  stage->view = support_view(stage->context);
   support_scene_make(&stage->scene, stage->context);
 }
 
@@ -34,17 +35,17 @@ void stage_close(stage *stage) {
     assert_int_equal(rig_messages(stage->rig), 0);
 }
 
-csm_frame stage_frame(const stage *stage, double time) {
-  csm_frame frame = stage->scene.frame;
+shot stage_shot(const stage *stage, double time) {
+  shot shot = stage->scene.shot;
   const double eye[3] = {-4 + 0.7 * time, 6, 12 - time}, target[3] = {0.3 * time, 0, -4};
-  support_look_at(frame.view, eye, target);
-  frame.light_direction[0] = 0.4 - 0.05 * time;
-  frame.instances = stage->scene.instances;
+  support_look_at(shot.camera.view, eye, target);
+  shot.light.direction[0] = 0.4 - 0.05 * time;
+  shot.frame.instances = stage->scene.instances;
   if (stage->rig) {
-    frame.frame = rig_frame(stage->rig);
-    frame.command_buffer = rig_commands(stage->rig);
+    shot.frame.frame = rig_frame(stage->rig);
+    shot.frame.command_buffer = rig_commands(stage->rig);
   }
-  return frame;
+  return shot;
 }
 
 static void succeed(const stage *stage, csm_result result) {
@@ -56,14 +57,16 @@ void stage_configure(stage *stage) {
   succeed(stage, csm_cascades_configure(stage->cascades, &stage->config));
 }
 
-void stage_render(stage *stage, const csm_frame *frame) {
-  succeed(stage, csm_render_cascades(stage->cascades, frame));
+void stage_render(stage *stage, shot *shot) {
+  succeed(stage, csm_render_cascades(stage->cascades, shot_frame(shot)));
 }
 
-void stage_resolve(stage *stage, const csm_frame *frame, picture_size mask) {
-  const csm_mask_info info = {
-      .struct_size = sizeof info, .frame = frame, .width = mask.width, .height = mask.height};
-  succeed(stage, csm_resolve_mask(stage->cascades, &info));
+void stage_resolve(stage *stage, shot *shot, picture_size mask) {
+  succeed(stage, shot_resolve(shot, stage->view, stage->cascades, mask.width, mask.height));
+}
+
+picture_copy stage_record(stage *stage, picture_size mask) {
+  return picture_record(stage->rig, stage->cascades, stage->view, mask);
 }
 
 void stage_retire(stage *stage) {
@@ -76,13 +79,13 @@ void stage_finish(stage *stage) {
   stage_retire(stage);
 }
 
-picture stage_draw(stage *stage, const csm_frame *frame, picture_size mask) {
-  stage_render(stage, frame);
+picture stage_draw(stage *stage, shot *shot, picture_size mask) {
+  stage_render(stage, shot);
   if (mask.width)
-    stage_resolve(stage, frame, mask);
+    stage_resolve(stage, shot, mask);
   if (!stage->rig)
-    return picture_read(stage->cascades, mask);
-  picture_copy copy = picture_record(stage->rig, stage->cascades, mask);
+    return picture_read(stage->context, stage->cascades, stage->view, mask);
+  picture_copy copy = stage_record(stage, mask);
   stage_finish(stage);
   return picture_take(stage->rig, &copy);
 }
@@ -90,8 +93,8 @@ picture stage_draw(stage *stage, const csm_frame *frame, picture_size mask) {
 picture stage_draw_at(stage *stage, double time, picture_size mask) {
   if (stage->rig)
     rig_begin(stage->rig);
-  const csm_frame frame = stage_frame(stage, time);
-  return stage_draw(stage, &frame, mask);
+  shot shot = stage_shot(stage, time);
+  return stage_draw(stage, &shot, mask);
 }
 
 /* ---- the hill ---- */

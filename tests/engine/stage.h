@@ -9,6 +9,7 @@ typedef struct stage {
   record record;
   csm_context *context;
   csm_cascades *cascades;
+  csm_view *view;
   csm_config config;
   support_scene scene;
 } stage;
@@ -19,17 +20,19 @@ void stage_open(stage *stage, rig *rig);
 /* Runs and retires what was recorded, and destroys the context; asserts that nothing is left and nothing was said. */
 void stage_close(stage *stage);
 
-/* The scene's frame at a time, which moves the camera and the sun, for the command buffer that is open. */
-csm_frame stage_frame(const stage *stage, double time);
+/* The scene at a time, which moves the camera and the sun, for the command buffer that is open. */
+shot stage_shot(const stage *stage, double time);
 void stage_configure(stage *stage);
-void stage_render(stage *stage, const csm_frame *frame);
-void stage_resolve(stage *stage, const csm_frame *frame, picture_size mask);
+void stage_render(stage *stage, shot *shot);
+void stage_resolve(stage *stage, shot *shot, picture_size mask);
+/* Records a copy of the maps and the mask. */
+picture_copy stage_record(stage *stage, picture_size mask);
 /* Ends the engine's frame, runs and retires it. */
 void stage_finish(stage *stage);
 /* Tells csm which frames are done. */
 void stage_retire(stage *stage);
-/* Renders, resolves, runs and reads a frame of the stage's own scene, or of `frame`. */
-picture stage_draw(stage *stage, const csm_frame *frame, picture_size mask);
+/* Renders, resolves, runs and reads a frame of the stage's own scene, or of `shot`. */
+picture stage_draw(stage *stage, shot *shot, picture_size mask);
 picture stage_draw_at(stage *stage, double time, picture_size mask);
 
 /* ---- a mesh that both a context and an engine can hold: a hill on a square of half size 1 ---- */

@@ -24,12 +24,12 @@ static void a_steady_frame_allocates_nothing(void **state) {
       make_boxes((const csm_mesh[]){stage.scene.instances[1].mesh, stage.scene.instances[2].mesh});
   for (int i = 0; i < WARM_UP + FRAMES; ++i) {
     rig_begin(rig);
-    csm_frame frame = stage_frame(&stage, 0.01 * i);
-    frame.instances = boxes;
-    frame.instance_count = BOXES;
+    shot shot = stage_shot(&stage, 0.01 * i);
+    shot.frame.instances = boxes;
+    shot.frame.instance_count = BOXES;
     const uint64_t before = stage.record.allocations;
     heap_hook_start();
-    stage_render(&stage, &frame);
+    stage_render(&stage, &shot);
     const uint32_t heap_calls = heap_hook_stop();
     if (i >= WARM_UP) {
       assert_int_equal(stage.record.allocations - before, 0);

@@ -73,7 +73,7 @@ static void a_device_that_clips_is_refused(void **state) {
   rig_close(rig);
 }
 
-/* ---- manners ---- */
+/* ---- what csm asks for ---- */
 
 /* All that csm may record; csm_vulkan.h tells what these leave changed. */
 static const char *const allowed_commands[] = {"vkCmdBeginDebugUtilsLabelEXT",
@@ -94,7 +94,11 @@ static const char *const allowed_commands[] = {"vkCmdBeginDebugUtilsLabelEXT",
                                                "vkCmdBindVertexBuffers",
                                                "vkCmdBindIndexBuffer",
                                                "vkCmdDraw",
-                                               "vkCmdDrawIndexed"};
+                                               "vkCmdDrawIndexed",
+                                               "vkCmdDrawIndirect",
+                                               "vkCmdDrawIndexedIndirect",
+                                               "vkCmdDispatch",
+                                               "vkCmdDispatchIndirect"};
 /* What an engine's device is its own for. */
 static const char *const forbidden[] = {"Queue",         "Wait",     "Idle",  "Fence",       "Semaphore",
                                         "CommandBuffer", "KHR",      "Event", "CommandPool", "CreateDevice",
@@ -124,6 +128,61 @@ static PFN_vkVoidFunction VKAPI_CALL judged_function(VkInstance instance, const 
   return vkGetInstanceProcAddr(instance, name);
 }
 
+/* ---- what an engine lends ---- */
+
+/* Every pipeline is made with the engine's cache. */
+static void the_engines_cache_is_used(void **state) {
+  (void)state;
+  uint32_t before, cached, uncached;
+  stage stage;
+  rig_vulkan_pipelines(&before, &uncached);
+  rig *rig = rig_open(RIG_MODERN);
+  stage_open(&stage, rig);
+  picture drawn = stage_draw_at(&stage, 0, (picture_size){96, 64});
+  picture_free(&drawn);
+  stage_close(&stage);
+  rig_close(rig);
+  rig_vulkan_pipelines(&cached, &uncached);
+  assert_true(cached > before);
+  assert_int_equal(uncached, 0);
+}
+
+/* Leaves the memory VK_NULL_HANDLE. */
+static VkResult CSM_CALL lend_nothing(void *user, const csm_vulkan_memory_request *request, csm_vulkan_memory *out) {
+  (void)request, (void)out;
+  ++*(int *)user;
+  return VK_SUCCESS;
+}
+
+static void CSM_CALL take_nothing_back(void *user, const csm_vulkan_memory *memory) {
+  *(int *)user -= memory->memory == VK_NULL_HANDLE;
+}
+
+/* What an allocator gives wrong is an error by name, and it gets it back. */
+static void an_allocator_may_lend_nothing(void **state) {
+  (void)state;
+  record record = {0};
+  csm_context *context = NULL;
+  csm_cascades *cascades = NULL;
+  int lent = 0;
+  rig *rig = rig_open(RIG_TYPICAL);
+  rig->native.allocate_memory = lend_nothing;
+  rig->native.free_memory = take_nothing_back;
+  rig->native.memory_user = &lent;
+  const csm_create_info info = stage_create_info(rig, &record);
+  const csm_config config = support_config();
+  record.quiet = true;
+  assert_int_equal(csm_create(&info, &context), CSM_SUCCESS);
+  assert_int_equal(csm_cascades_create(context, &config, &cascades), CSM_ERROR_DEVICE);
+  assert_null(cascades);
+  csm_destroy(context);
+  assert_int_equal(record.blocks, 0);
+  assert_int_equal(lent, 0);
+  rig_close(rig);
+}
+
+/* ---- manners ---- */
+
 /* From opening to a mask, with what is loaded late. */
 static void asks_for_no_more_than_it_may(void **state) {
   (void)state;
@@ -152,6 +211,8 @@ int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_clamp_follows_the_engine),
       cmocka_unit_test(a_device_that_clips_is_refused),
+      cmocka_unit_test(the_engines_cache_is_used),
+      cmocka_unit_test(an_allocator_may_lend_nothing),
       cmocka_unit_test(asks_for_no_more_than_it_may),
   };
   char *arguments[] = {argv[0], (char *)"vulkan"};

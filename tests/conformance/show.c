@@ -1,4 +1,4 @@
-/* views.c: the debug views, against what the plan says, and who cast into which map. */
+/* show.c: what a mask shows in place of visibility, against what the plan says, and who cast into which map. */
 #include "support.h"
 
 #include <math.h>
@@ -7,34 +7,36 @@
 
 enum { width = 192, height = 128, pixels = width * height };
 
-typedef struct viewed {
+typedef struct shown {
   record record;
   csm_context *context;
   csm_cascades *cascades;
+  csm_view *view;
   csm_binding binding;
-} viewed;
+} shown;
 
-static void open_view(viewed *v) {
+static void open_view(shown *v) {
   memset(v, 0, sizeof *v);
   v->context = support_open(&v->record);
+  v->view = support_view(v->context);
 }
 
-static void draw(viewed *v, const csm_config *config, const csm_frame *frame) {
+static void draw(shown *v, const csm_config *config, shot *shot) {
   if (v->cascades)
     assert_int_equal(csm_cascades_configure(v->cascades, config), CSM_SUCCESS);
   else
     assert_int_equal(csm_cascades_create(v->context, config, &v->cascades), CSM_SUCCESS);
-  assert_int_equal(csm_render_cascades(v->cascades, frame), CSM_SUCCESS);
+  assert_int_equal(csm_render_cascades(v->cascades, shot_frame(shot)), CSM_SUCCESS);
   v->binding = (csm_binding){.struct_size = sizeof v->binding};
   assert_int_equal(csm_bind(v->cascades, &v->binding), CSM_SUCCESS);
 }
 
 /* What a mask holds, in 255ths; the caller frees it. */
-static int *resolve(const viewed *v, const csm_frame *frame, uint32_t view) {
+static int *resolve(const shown *v, shot *shot, uint32_t show) {
   const csm_mask_info info = {
-      .struct_size = sizeof info, .frame = frame, .width = width, .height = height, .view = view};
-  assert_int_equal(csm_resolve_mask(v->cascades, &info), CSM_SUCCESS);
-  float *mask = support_read(v->cascades, CSM_READ_MASK, 0, width, height);
+      .struct_size = sizeof info, .frame = shot_frame(shot), .width = width, .height = height, .show = show};
+  assert_int_equal(csm_resolve_mask(v->view, v->cascades, &info), CSM_SUCCESS);
+  float *mask = support_image(v->context, v->view, CSM_READ_MASK, width, height);
   int *values = malloc(pixels * sizeof *values);
   assert_non_null(values);
   for (int i = 0; i < pixels; ++i) {
@@ -45,7 +47,7 @@ static int *resolve(const viewed *v, const csm_frame *frame, uint32_t view) {
   return values;
 }
 
-static void finish(viewed *v) {
+static void finish(shown *v) {
   assert_int_equal(csm_cascades_destroy(v->cascades), CSM_SUCCESS);
   support_close(v->context, &v->record);
 }
@@ -53,8 +55,8 @@ static void finish(viewed *v) {
 /* ---- cascades ---- */
 
 /* View depth of what the scene's camera sees at a pixel; negative: nothing. */
-static double view_depth(const csm_frame *frame, float depth) {
-  return depth > 0 ? frame->projection[14] / ((double)depth + frame->projection[10]) : -1;
+static double view_depth(const shot *shot, float depth) {
+  return depth > 0 ? shot->camera.projection[14] / ((double)depth + shot->camera.projection[10]) : -1;
 }
 
 /* The first cascade that does not end before a depth; how far its ends are, as a share of the depth, into *margin. */
@@ -70,7 +72,7 @@ static uint32_t interval(const csm_binding *binding, double depth, double *margi
 
 static void a_point_has_the_cascade_of_its_interval(void **state) {
   (void)state;
-  viewed v;
+  shown v;
   support_scene scene;
   csm_config config = support_config();
   config.selection = CSM_SELECT_INTERVAL;
@@ -81,13 +83,13 @@ static void a_point_has_the_cascade_of_its_interval(void **state) {
   config.split_distances[2] = 26;
   open_view(&v);
   support_scene_make(&scene, v.context);
-  draw(&v, &config, &scene.frame);
-  int *values = resolve(&v, &scene.frame, CSM_VIEW_CASCADE);
-  float *depths = support_read(v.cascades, CSM_READ_CAMERA_DEPTH, 0, width, height);
+  draw(&v, &config, &scene.shot);
+  int *values = resolve(&v, &scene.shot, CSM_SHOW_CASCADE);
+  float *depths = support_image(v.context, v.view, CSM_READ_CAMERA_DEPTH, width, height);
   uint32_t seen[5] = {0}, near_a_split = 0;
   for (int i = 0; i < pixels; ++i) {
     double margin = 1;
-    const double depth = view_depth(&scene.frame, depths[i]);
+    const double depth = view_depth(&scene.shot, depths[i]);
     const uint32_t cascade = depth < 0 ? 4 : interval(&v.binding, depth, &margin);
     const bool split = margin < 1e-5;
     near_a_split += split;
@@ -102,7 +104,7 @@ static void a_point_has_the_cascade_of_its_interval(void **state) {
   free(depths);
 
   /* The mask is visibility again when it is asked for. */
-  int *shadow = resolve(&v, &scene.frame, CSM_VIEW_SHADOW);
+  int *shadow = resolve(&v, &scene.shot, CSM_SHOW_VISIBILITY);
   uint32_t lit = 0;
   for (int i = 0; i < pixels; ++i)
     lit += shadow[i] == 255;
@@ -114,7 +116,7 @@ static void a_point_has_the_cascade_of_its_interval(void **state) {
 /* Over the end of a slice each point has its own cascade or the next one, and elsewhere its own. */
 static void dithered_points_have_the_cascade_they_got(void **state) {
   (void)state;
-  viewed v;
+  shown v;
   support_scene scene;
   csm_config config = support_config();
   config.selection = CSM_SELECT_INTERVAL;
@@ -122,13 +124,13 @@ static void dithered_points_have_the_cascade_they_got(void **state) {
   config.blend_share = 0.5;
   open_view(&v);
   support_scene_make(&scene, v.context);
-  draw(&v, &config, &scene.frame);
-  int *values = resolve(&v, &scene.frame, CSM_VIEW_CASCADE);
-  float *depths = support_read(v.cascades, CSM_READ_CAMERA_DEPTH, 0, width, height);
+  draw(&v, &config, &scene.shot);
+  int *values = resolve(&v, &scene.shot, CSM_SHOW_CASCADE);
+  float *depths = support_image(v.context, v.view, CSM_READ_CAMERA_DEPTH, width, height);
   uint32_t stayed = 0, went = 0;
   for (int i = 0; i < pixels; ++i) {
     double margin = 1;
-    const double depth = view_depth(&scene.frame, depths[i]);
+    const double depth = view_depth(&scene.shot, depths[i]);
     const uint32_t cascade = depth < 0 ? 4 : interval(&v.binding, depth, &margin);
     if (cascade > 1 || margin < 1e-5)
       continue; /* the last one has none after it */
@@ -159,23 +161,22 @@ static void a_wall_has_the_density_of_its_texels(void **state) {
     uint32_t resolution;
     double aside, aspect; /* of the sun; of the picture, which is seen through pixels of `width` to `height` */
   } cases[] = {{256, 0, 1.5}, {1024, 0, 1.5}, {256, 1.2, 1.5}, {512, 0, 4.5}, {16, 0, 1.5}};
-  viewed v;
+  shown v;
   open_view(&v);
   const csm_instance wall = support_instance(support_box(v.context, 2), 0, 0, -10, 100, 100, 1e-3);
   for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
     csm_config config = support_config();
     config.selection = CSM_SELECT_INTERVAL;
     config.resolution = cases[i].resolution;
-    csm_frame frame = {.struct_size = sizeof frame,
-                       .light_direction = {-sin(cases[i].aside), 0, -cos(cases[i].aside)},
-                       .instances = &wall,
-                       .instance_count = 1};
-    support_look_at(frame.view, (const double[]){0, 0, 0}, (const double[]){0, 0, -1});
-    support_perspective(frame.projection, 50, cases[i].aspect, 0.25, 200);
-    draw(&v, &config, &frame);
-    int *cascades = resolve(&v, &frame, CSM_VIEW_CASCADE), *values = resolve(&v, &frame, CSM_VIEW_DENSITY);
-    const double depth = 10 - 1e-3, down = 2 * depth / frame.projection[5] / height;
-    const double across = 2 * depth / frame.projection[0] / width * cos(cases[i].aside);
+    shot shot = shot_make(&wall, 1);
+    memcpy(shot.light.direction, (const double[]){-sin(cases[i].aside), 0, -cos(cases[i].aside)},
+           sizeof shot.light.direction);
+    support_look_at(shot.camera.view, (const double[]){0, 0, 0}, (const double[]){0, 0, -1});
+    support_perspective(shot.camera.projection, 50, cases[i].aspect, 0.25, 200);
+    draw(&v, &config, &shot);
+    int *cascades = resolve(&v, &shot, CSM_SHOW_CASCADE), *values = resolve(&v, &shot, CSM_SHOW_DENSITY);
+    const double depth = 10 - 1e-3, down = 2 * depth / shot.camera.projection[5] / height;
+    const double across = 2 * depth / shot.camera.projection[0] / width * cos(cases[i].aside);
     double margin;
     const uint32_t cascade = interval(&v.binding, depth, &margin);
     const double exact = 128 + 16 * log2(fmax(across, down) / v.binding.cascades[cascade].texel_size);
@@ -193,16 +194,16 @@ static void a_wall_has_the_density_of_its_texels(void **state) {
 /* Nothing, and what lies beyond, has no density; a grazed ground has more texels for a pixel farther away. */
 static void the_ground_is_coarse_before_the_camera(void **state) {
   (void)state;
-  viewed v;
+  shown v;
   support_scene scene;
   csm_config config = support_config();
   config.cascade_count = 1;
   config.shadow_distance = 30;
   open_view(&v);
   support_scene_make(&scene, v.context);
-  scene.frame.instance_count = 1;
-  draw(&v, &config, &scene.frame);
-  int *cascades = resolve(&v, &scene.frame, CSM_VIEW_CASCADE), *values = resolve(&v, &scene.frame, CSM_VIEW_DENSITY);
+  scene.shot.frame.instance_count = 1;
+  draw(&v, &config, &scene.shot);
+  int *cascades = resolve(&v, &scene.shot, CSM_SHOW_CASCADE), *values = resolve(&v, &scene.shot, CSM_SHOW_DENSITY);
   uint32_t steps = 0;
   for (int i = 0; i < pixels; ++i) {
     assert_true((values[i] == 0) == (cascades[i] == 0));
@@ -221,7 +222,7 @@ static void the_ground_is_coarse_before_the_camera(void **state) {
 
 static void casters_are_told(void **state) {
   (void)state;
-  viewed v;
+  shown v;
   support_scene scene;
   const csm_config config = support_config();
   open_view(&v);
@@ -229,14 +230,14 @@ static void casters_are_told(void **state) {
   csm_instance instances[SUPPORT_INSTANCES + 1];
   memcpy(instances, scene.instances, sizeof scene.instances);
   instances[SUPPORT_INSTANCES] = support_instance(instances[1].mesh, 4000, 0, 0, 1, 1, 1);
-  scene.frame.instances = instances;
-  scene.frame.instance_count = SUPPORT_INSTANCES + 1;
-  draw(&v, &config, &scene.frame);
+  scene.shot.frame.instances = instances;
+  scene.shot.frame.instance_count = SUPPORT_INSTANCES + 1;
+  draw(&v, &config, &scene.shot);
   csm_stats stats = {.struct_size = sizeof stats};
   assert_int_equal(csm_get_stats(v.cascades, &stats), CSM_SUCCESS);
   uint8_t drawn[SUPPORT_INSTANCES + 2];
   memset(drawn, 0xAA, sizeof drawn);
-  assert_int_equal(csm_get_casters(v.cascades, SUPPORT_INSTANCES + 1, drawn), CSM_SUCCESS);
+  assert_int_equal(csm_get_casters(v.cascades, SUPPORT_INSTANCES + 1, NULL, drawn), CSM_SUCCESS);
   assert_int_equal(drawn[0], 7);                        /* the ground */
   assert_int_equal(drawn[SUPPORT_INSTANCES], 0);        /* what is far away */
   assert_int_equal(drawn[SUPPORT_INSTANCES + 1], 0xAA); /* no more is written */
@@ -247,16 +248,16 @@ static void casters_are_told(void **state) {
     assert_int_equal(count, k < config.cascade_count ? stats.cascades[k].casters_drawn : 0);
   }
   /* A frame that fails leaves the last one's; one without instances has none to tell. */
-  csm_frame frame = scene.frame;
-  frame.light_direction[0] = NAN;
+  shot shot = scene.shot;
+  shot.light.direction[0] = NAN;
   v.record.quiet = true;
-  assert_int_equal(csm_render_cascades(v.cascades, &frame), CSM_ERROR_NOT_FINITE);
-  assert_int_equal(csm_get_casters(v.cascades, SUPPORT_INSTANCES + 1, drawn), CSM_SUCCESS);
+  assert_int_equal(csm_render_cascades(v.cascades, shot_frame(&shot)), CSM_ERROR_NOT_FINITE);
+  assert_int_equal(csm_get_casters(v.cascades, SUPPORT_INSTANCES + 1, NULL, drawn), CSM_SUCCESS);
   assert_int_equal(drawn[0], 7);
-  frame = scene.frame;
-  frame.instance_count = 0;
-  assert_int_equal(csm_render_cascades(v.cascades, &frame), CSM_SUCCESS);
-  assert_int_equal(csm_get_casters(v.cascades, 0, NULL), CSM_SUCCESS);
+  shot = scene.shot;
+  shot.frame.instance_count = 0;
+  assert_int_equal(csm_render_cascades(v.cascades, shot_frame(&shot)), CSM_SUCCESS);
+  assert_int_equal(csm_get_casters(v.cascades, 0, NULL, NULL), CSM_SUCCESS);
   finish(&v);
 }
 
