@@ -3,22 +3,20 @@
 #define ABI_CASCADES_H
 
 #include "abi/context.h"
+#include "csm_constants.h"
 #include "techniques/technique.h"
-
-enum { CONSTANT_BLOCKS = 2, CONSTANT_BLOCK_FLOATS = 256 };
 
 /* A plan, with the memory that its lists lie in, and what it was made of. */
 typedef struct planned {
   void *memory;
   size_t size;
   plan_frame frame;
-  instances list;            /* the frame's own, if it had one */
-  const csm_scene *scene;    /* NULL: the list */
-  bool scene_gone;           /* it was destroyed since */
-  uint64_t revision;         /* of the scene */
+  instances list;         /* the frame's own, if it had one */
+  const csm_scene *scene; /* NULL: the list */
+  bool scene_gone;        /* it was destroyed since */
+  uint64_t revision;      /* of the scene */
   uint32_t instances, changed;
-  float constants[CONSTANT_BLOCKS][CONSTANT_BLOCK_FLOATS];
-  uint32_t constants_sizes[CONSTANT_BLOCKS]; /* in bytes */
+  csm_constants constants;
 } planned;
 
 struct csm_cascades {
