@@ -137,7 +137,7 @@ static void check_mask(const drawn *d, const float *mask, const float *depth) {
   for (uint32_t y = 0; y < height; ++y) {
     for (uint32_t x = 0; x < width; ++x) {
       double origin[3], direction[3], edge, light_edge;
-      pixel_ray(frame, x, y, origin, direction);
+      pixel_ray(shot, x, y, origin, direction);
       const double t = support_trace(corners, SUPPORT_TRIANGLES, origin, direction, &edge);
       const float value = mask[y * width + x];
       if (t < 0 && edge == 1) {

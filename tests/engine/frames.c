@@ -85,7 +85,7 @@ static picture_copy record_step(walk *walk, const step *step) {
   if (rig_frame(rig) % 2)
     shot.frame.command_buffer = rig_split(rig);
   stage_resolve(&walk->stage, &shot, step->mask);
-  const picture_copy copy = picture_record(rig, walk->stage.cascades, step->mask);
+  const picture_copy copy = stage_record(&walk->stage, step->mask);
   rig_end(rig);
   return copy;
 }
@@ -249,7 +249,7 @@ static void cascades_share_a_context(void **state) {
       stage_resolve(&walks[i - 2].stage, &shot, both[i - 2].mask);
     }
     for (int i = 0; round && i < 2; ++i)
-      copies[i] = picture_record(rig, walks[i].stage.cascades, both[i].mask);
+      copies[i] = stage_record(&walks[i].stage, both[i].mask);
     rig_end(rig);
   }
   rig_run(rig, rig_frame(rig));
@@ -281,7 +281,7 @@ static void two_contexts_share_a_device(void **state) {
     shot shot = stage_shot(&stages[i], 0);
     stage_render(&stages[i], &shot);
     stage_resolve(&stages[i], &shot, mask);
-    copies[i] = picture_record(rig, stages[i].cascades, mask);
+    copies[i] = stage_record(&stages[i], mask);
   }
   rig_end(rig);
   rig_run(rig, rig_frame(rig));
