@@ -3,8 +3,11 @@
 #include "misuse_support.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 /* ---- creation ---- */
 
@@ -25,7 +28,7 @@ static void expect_create(const csm_create_info *base, const misuse *row) {
 static void creation(void **state) {
   (void)state;
   static const misuse rows[] = {
-      {"no size", CREATE(struct_size), {0}, CSM_ERROR_STRUCT_SIZE, "csm_create_info"},
+      {"no size", CREATE(struct_size), {0}, CSM_ERROR_STRUCT_SIZE, ""},
       {"no backend", CREATE(backend), {0}, CSM_ERROR_NULL_POINTER, "backend"},
       {"unknown flags", CREATE(flags), {1u << 31}, CSM_ERROR_INVALID_VALUE, "flags"},
       {"no version", CREATE(version), {0}, CSM_ERROR_INVALID_VALUE, "version"},
@@ -43,7 +46,7 @@ static void creation(void **state) {
        {.pointer = "/proc/self/status"},
        CSM_ERROR_BACKEND_BROKEN,
        "/proc/self/status"},
-      {"a folder", CREATE(backend), {.pointer = "/proc/self/"}, CSM_ERROR_BACKEND_NOT_FOUND, "regular file"},
+      {"a folder", CREATE(backend), {.pointer = "/proc/self/"}, CSM_ERROR_BACKEND_BROKEN, "regular file"},
   };
   static const misuse no_device = {
       "a device that is not there", CREATE(device), {.pointer = "no such"}, CSM_ERROR_NO_DEVICE, "no such"};
@@ -72,6 +75,23 @@ static void creation(void **state) {
   const misuse two = {
       "engine's devices of two APIs", CREATE(d3d12), {.pointer = &good}, CSM_ERROR_INVALID_VALUE, "vulkan"};
   expect_create(&both, &two);
+  assert_int_equal(record.blocks, 0);
+}
+
+/* A named pipe would be waited for, for ever: it is refused before it is opened. */
+static void a_pipe_is_no_backend(void **state) {
+  (void)state;
+  char folder[] = "/tmp/csm-pipe-XXXXXX", path[sizeof folder + 16];
+  record record = {0};
+  const csm_create_info good = support_create_info(&record);
+  record.quiet = true;
+  assert_non_null(mkdtemp(folder));
+  snprintf(path, sizeof path, "%s/libcsm-pipe.so", folder);
+  assert_int_equal(mkfifo(path, 0600), 0);
+  const misuse row = {"a pipe", CREATE(backend), {.pointer = path}, CSM_ERROR_BACKEND_BROKEN, "regular file"};
+  expect_create(&good, &row);
+  assert_int_equal(unlink(path), 0);
+  assert_int_equal(rmdir(folder), 0);
   assert_int_equal(record.blocks, 0);
 }
 
@@ -268,6 +288,7 @@ static void the_memory_limit_is_kept(void **state) {
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(creation),
+      cmocka_unit_test(a_pipe_is_no_backend),
       cmocka_unit_test(struct_sizes),
       cmocka_unit_test(meshes),
       cmocka_unit_test(updates),

@@ -48,7 +48,7 @@ static csm_result draw_instance(fixture *f, const void *instance) {
 static void cameras(void **state) {
   (void)state;
   static const misuse rows[] = {
-      {"no size", CAMERA(struct_size), {0}, CSM_ERROR_STRUCT_SIZE, "csm_camera"},
+      {"no size", CAMERA(struct_size), {0}, CSM_ERROR_STRUCT_SIZE, "camera"},
       {"reversed of 3", CAMERA(reversed), {3}, CSM_ERROR_INVALID_VALUE, "reversed"},
       {"a view that is not affine", CAMERA(view[3]), {.real = 0.5}, CSM_ERROR_INVALID_MATRIX, "view"},
       {"a view that scales", CAMERA(view[5]), {.real = 30}, CSM_ERROR_INVALID_MATRIX, "view"},
@@ -86,7 +86,7 @@ static void cameras(void **state) {
 static void lights(void **state) {
   (void)state;
   static const misuse rows[] = {
-      {"no size", LIGHT(struct_size), {0}, CSM_ERROR_STRUCT_SIZE, "csm_light"},
+      {"no size", LIGHT(struct_size), {0}, CSM_ERROR_STRUCT_SIZE, "light"},
       {"NaN", LIGHT(direction[1]), {.real = NAN}, CSM_ERROR_NOT_FINITE, "direction"},
       {"a disc of NaN", LIGHT(angular_diameter), {.real = NAN}, CSM_ERROR_NOT_FINITE, "angular_diameter"},
       {"a disc below nothing", LIGHT(angular_diameter), {.real = -1e-9}, CSM_ERROR_INVALID_VALUE, "angular_diameter"},
@@ -206,7 +206,7 @@ static void masks(void **state) {
   const csm_mask_info good = {
       .struct_size = sizeof good, .frame = shot_frame(&f.scene.shot), .width = SIDE, .height = SIDE};
   assert_int_equal(csm_resolve_mask(NULL, f.cascades, &good), CSM_ERROR_NULL_POINTER);
-  expect(&f, csm_resolve_mask(f.view, NULL, &good), CSM_ERROR_NULL_POINTER, "no cascades");
+  assert_int_equal(csm_resolve_mask(f.view, NULL, &good), CSM_ERROR_NULL_POINTER);
   expect(&f, csm_resolve_mask(f.view, f.cascades, NULL), CSM_ERROR_NULL_POINTER, "no info");
   check_rows(&f, &(row_table){rows, COUNT(rows), &good, sizeof good}, resolve);
   csm_view_stats stats = {.struct_size = sizeof stats};

@@ -103,7 +103,8 @@ static void check_volume(const csm_draw_info *info, const csm_cascade_info *boun
     assert_true(fabs(shadow[0] - (clip[0] + 1) / 2) < 1e-6);
     assert_true(fabs(shadow[1] - (1 - clip[1]) / 2) < 1e-6);
     assert_true(fabs(shadow[2] - clip[2]) < 1e-6);
-    const double beyond[5] = {clip[0] + 1, 1 - clip[0], clip[1] + 1, 1 - clip[1], 1 - clip[2]};
+    const double before_end = info->reversed ? clip[2] : 1 - clip[2];
+    const double beyond[5] = {clip[0] + 1, 1 - clip[0], clip[1] + 1, 1 - clip[1], before_end};
     bool within = true, near_edge = false;
     for (int plane = 0; plane < 5; ++plane) {
       near_edge |= fabs(beyond[plane]) < 1e-6;

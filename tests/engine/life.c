@@ -214,7 +214,7 @@ csm_result life_finish(life *life) {
   if (!rig)
     return finish_own(life);
   if (life->recording) {
-    picture_copy copy = picture_record(rig, life->cascades, life->view, mask_size);
+    picture_copy copy = picture_record(rig, life->cascades, life->view, mask_size, sizeof(float));
     end_frame(life);
     picture_free(&life->picture);
     life->picture = picture_take(rig, &copy);

@@ -19,7 +19,8 @@ static void the_engines_memory_holds_everything(void **state) {
   const uint32_t pieces = rig_lent_memory(rig)->pieces;
   assert_true(pieces > 4);
   assert_int_equal(csm_cascades_destroy(stage.cascades), CSM_SUCCESS);
-  assert_true(rig_lent_memory(rig)->pieces < pieces); /* no frame waits for it */
+  stage_retire(&stage);
+  assert_true(rig_lent_memory(rig)->pieces < pieces);
   stage_close(&stage);
   assert_int_equal(rig_lent_memory(rig)->pieces, 0);
   rig_close(rig);
@@ -31,12 +32,16 @@ static void a_refusal_is_out_of_device_memory(void **state) {
   rig *rig = rig_open(RIG_MODERN);
   rig_lent *lent = rig_lent_memory(rig);
   uint32_t refusals = 0;
+  hill hill;
+  hill_make(&hill);
   for (bool through = false; !through; ++refusals) {
     record record = {0};
     csm_context *context = NULL;
     csm_cascades *cascades = NULL;
     csm_view *view = NULL;
     support_scene scene;
+    csm_mesh mesh = 0;
+    const csm_mesh_info hills = hill_info(&hill, 2);
     const csm_config config = support_config();
     const csm_create_info info = stage_create_info(rig, &record);
     record.quiet = true;
@@ -44,11 +49,14 @@ static void a_refusal_is_out_of_device_memory(void **state) {
     rig_begin(rig);
     csm_result result = csm_create(&info, &context);
     if (!result)
-      support_scene_make(&scene, context); /* takes memory of the host alone */
+      result = csm_mesh_create(context, &hills, &mesh);
     if (!result)
       result = csm_cascades_create(context, &config, &cascades);
     if (!result)
       result = csm_view_create(context, &view);
+    support_scene_make(&scene, NULL);
+    for (int i = 0; i < SUPPORT_INSTANCES; ++i)
+      scene.instances[i].mesh = mesh;
     shot shot = scene.shot;
     shot.frame.frame = rig_frame(rig);
     shot.frame.command_buffer = rig_commands(rig);

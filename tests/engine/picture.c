@@ -22,21 +22,35 @@ picture picture_read(csm_context *context, csm_cascades *cascades, csm_view *vie
   return out;
 }
 
-static uint64_t map_bytes(const picture_copy *copy) {
-  return (uint64_t)rig_pitch(copy->resolution, sizeof(float)) * copy->resolution;
+static uint64_t layer_bytes(const picture_copy *copy) {
+  return (uint64_t)rig_pitch(copy->resolution, copy->map_bytes) * copy->resolution;
 }
 
-picture_copy picture_record(rig *rig, csm_cascades *cascades, csm_view *view, picture_size mask) {
+picture_copy picture_record(rig *rig, csm_cascades *cascades, csm_view *view, picture_size mask, uint32_t map_bytes) {
   const csm_binding binding = bind(cascades, view);
-  picture_copy copy = {.cascades = binding.cascade_count, .resolution = binding.resolutions[0], .mask = mask};
-  const uint64_t maps = copy.cascades * map_bytes(&copy);
+  picture_copy copy = {.cascades = binding.cascade_count, .resolution = binding.resolutions[0], .map_bytes = map_bytes, .mask = mask};
+  const uint64_t maps = copy.cascades * layer_bytes(&copy);
   copy.buffer = rig_buffer_make(rig, RIG_READBACK, maps + (uint64_t)rig_pitch(mask.width, 1) * mask.height);
   for (uint32_t i = 0; i < copy.cascades; ++i)
-    rig_copy(rig, &(rig_layer){binding.native_maps, i, copy.resolution, copy.resolution, sizeof(float)}, &copy.buffer,
-             i * map_bytes(&copy));
+    rig_copy(rig, &(rig_layer){binding.native_maps, i, copy.resolution, copy.resolution, map_bytes}, &copy.buffer,
+             i * layer_bytes(&copy));
   if (mask.width)
     rig_copy(rig, &(rig_layer){binding.native_mask, 0, mask.width, mask.height, 1}, &copy.buffer, maps);
   return copy;
+}
+
+/* Of a mask, a map of 16 bits, or one of 32. */
+static float texel(const unsigned char *bytes, uint32_t size) {
+  uint16_t whole;
+  float real;
+  if (size == 1)
+    return (float)*bytes / 255.0f;
+  if (size == sizeof whole) {
+    memcpy(&whole, bytes, sizeof whole);
+    return (float)whole / 65535.0f;
+  }
+  memcpy(&real, bytes, sizeof real);
+  return real;
 }
 
 static picture_layer take_layer(const unsigned char *rows, uint32_t width, uint32_t height, uint32_t texel_bytes) {
@@ -45,18 +59,15 @@ static picture_layer take_layer(const unsigned char *rows, uint32_t width, uint3
   assert_non_null(layer.texels);
   for (uint32_t y = 0; y < height; ++y, rows += pitch)
     for (uint32_t x = 0; x < width; ++x)
-      if (texel_bytes == 1)
-        layer.texels[y * width + x] = (float)rows[x] / 255.0f;
-      else
-        memcpy(&layer.texels[y * width + x], rows + x * sizeof(float), sizeof(float));
+      layer.texels[y * width + x] = texel(rows + x * texel_bytes, texel_bytes);
   return layer;
 }
 
 picture picture_take(rig *rig, picture_copy *copy) {
   picture out = {.count = copy->cascades};
   const unsigned char *memory = copy->buffer.mapped;
-  for (uint32_t i = 0; i < copy->cascades; ++i, memory += map_bytes(copy))
-    out.layers[i] = take_layer(memory, copy->resolution, copy->resolution, sizeof(float));
+  for (uint32_t i = 0; i < copy->cascades; ++i, memory += layer_bytes(copy))
+    out.layers[i] = take_layer(memory, copy->resolution, copy->resolution, copy->map_bytes);
   if (copy->mask.width)
     out.layers[out.count++] = take_layer(memory, copy->mask.width, copy->mask.height, 1);
   rig_buffer_free(rig, &copy->buffer);

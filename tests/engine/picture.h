@@ -25,11 +25,12 @@ picture picture_read(csm_context *context, csm_cascades *cascades, csm_view *vie
 /* Copies recorded into an engine's command buffer, to be taken when it has run. */
 typedef struct picture_copy {
   rig_buffer buffer;
-  uint32_t cascades, resolution;
+  uint32_t cascades, resolution, map_bytes;
   picture_size mask;
 } picture_copy;
 
-picture_copy picture_record(rig *rig, csm_cascades *cascades, csm_view *view, picture_size mask);
+/* Of maps in `map_bytes` bytes a texel: 4, or 2. */
+picture_copy picture_record(rig *rig, csm_cascades *cascades, csm_view *view, picture_size mask, uint32_t map_bytes);
 picture picture_take(rig *rig, picture_copy *copy);
 
 void picture_free(picture *picture);

@@ -129,7 +129,7 @@ uint32_t rig_texel_bytes(rig_format format);
 typedef struct rig_layer {
   uint64_t image; /* of csm_binding; at rest, before and after */
   uint32_t layer, width, height;
-  uint32_t texel_bytes; /* 4: depth, 1: a mask */
+  uint32_t texel_bytes; /* 4 or 2: depth, 1: a mask, 16: colour */
 } rig_layer;
 
 /* Records a copy, as an engine does that samples the image in compute shaders. */

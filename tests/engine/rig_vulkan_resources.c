@@ -164,7 +164,7 @@ uint32_t rig_pitch(uint32_t width, uint32_t texel_bytes) {
 void rig_copy(rig *rig, const rig_layer *from, const rig_buffer *to, uint64_t offset) {
   const VkCommandBuffer commands = rig_commands(rig);
   const VkImage image = (VkImage)from->image;
-  const VkImageAspectFlags aspect = from->texel_bytes == 4 ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+  const VkImageAspectFlags aspect = from->texel_bytes == 4 || from->texel_bytes == 2 ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
   VkImageMemoryBarrier change = {
       .srcAccessMask = VK_ACCESS_SHADER_READ_BIT,
       .dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT,
