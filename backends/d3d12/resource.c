@@ -95,8 +95,8 @@ static D3D12_RESOURCE_FLAGS image_flags(const gpu_image_info *info) {
   return flags;
 }
 
-/* An image begins in COMMON, and its first use is a barrier: vkd3d moves an image out of Vulkan's undefined layout with
-   a barrier, but not when a descriptor reads or writes it. */
+/* An image begins in COMMON, so its first use is a barrier. With that vkd3d moves it out of Vulkan's undefined layout,
+   which it does not when a descriptor reads or writes it. */
 csm_result d3d12_image_create(gpu_device *device, const gpu_image_info *info, gpu_image **out) {
   *out = NULL;
   const uint32_t levels = info->levels ? info->levels : 1;
@@ -201,7 +201,8 @@ csm_result d3d12_view_create(gpu_device *device, const gpu_view_info *info, gpu_
   *out = d3d12_allocate(device, sizeof **out);
   if (!*out)
     return CSM_ERROR_OUT_OF_MEMORY;
-  **out = (gpu_view){.image = info->image, .range = d3d12_range(info->image, &info->range), .array = info->array};
+  **out =
+      (gpu_view){.image = info->image, .range = d3d12_range(info->image, &info->range), .array = info->image->array};
   return CSM_SUCCESS;
 }
 

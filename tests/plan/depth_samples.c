@@ -31,24 +31,22 @@ static void plan_camera_of(plan_camera *out, const test_camera *camera) {
     fail_msg("%s", error);
 }
 
-static float buffer_depth(const test_camera *camera, double depth) {
-  double view[16], p[16];
-  camera_matrices(camera, view, p);
+static float buffer_depth(const test_camera *camera, const double p[16], double depth) {
   const double z = camera->left_handed ? depth : -depth;
   return (float)((p[10] * z + p[14]) / (p[11] * z + p[15]));
 }
 
 /* Where a depth of the buffer's lies: a float at the far end of a range is off by metres. */
-static double back_from(const test_camera *camera, double buffer) {
-  double view[16], p[16];
-  camera_matrices(camera, view, p);
+static double back_from(const test_camera *camera, const double p[16], double buffer) {
   const double z = (p[14] - buffer * p[15]) / (buffer * p[11] - p[10]);
   return camera->left_handed ? z : -z;
 }
 
 static void take(picture *out, const test_camera *camera, depth_field *field) {
+  double view[16], projection[16];
   memset(out, 0, sizeof *out);
   out->camera = *camera;
+  camera_matrices(camera, view, projection);
   for (int i = 0; i < rows * columns; ++i) {
     out->tiles[i][0] = INFINITY;
     out->tiles[i][1] = -INFINITY;
@@ -61,11 +59,11 @@ static void take(picture *out, const test_camera *camera, depth_field *field) {
       out->depths[row][column] = -INFINITY;
       if (!(seen >= camera->near && seen <= camera->far))
         continue;
-      const float depth = buffer_depth(camera, seen);
+      const float depth = buffer_depth(camera, projection, seen);
       float *tile = out->tiles[row / tile_px * columns + column / tile_px];
       tile[0] = fminf(tile[0], depth);
       tile[1] = fmaxf(tile[1], depth);
-      out->depths[row][column] = back_from(camera, depth);
+      out->depths[row][column] = back_from(camera, projection, depth);
     }
   plan_camera_of(&out->samples.camera, camera);
   out->samples.width = width;
@@ -137,7 +135,9 @@ static plan_frame plan_with(const csm_config *config, const test_camera *camera,
                                 .light = sun,
                                 .scene = &empty,
                                 .before = before,
-                                .samples = seen ? &seen->samples : NULL};
+                                .reversed = camera_reversed(camera),
+                                .samples = seen ? &seen->samples : NULL,
+                                .sample_count = seen ? 1 : 0};
   if (plan_traced(&frame, &info, NULL, &error))
     fail_msg("%s", error);
   return frame;
@@ -242,7 +242,7 @@ static void any_camera_has_what_it_sees(void **state) {
   (void)state;
   random_state random = {1};
   uint32_t fitted = 0, behind = 0;
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < 1200; ++i) {
     const test_camera camera = random_camera(&random, 10.0);
     csm_config config = random_full_config(&random);
     config.bias_normal_texels = 0.0;
@@ -256,7 +256,7 @@ static void any_camera_has_what_it_sees(void **state) {
     fitted += frame.history.has_samples || frame.history.has_bounds[0];
     behind += camera.orthographic && seen.depths[height / 2][width / 2] < 0.0;
   }
-  assert_true(fitted > 2000 && behind > 50);
+  assert_true(fitted > 800 && behind > 20);
 }
 
 static void what_lies_past_the_ends_is_left_out(void **state) {
@@ -374,7 +374,7 @@ static test_camera standing_somewhere(random_state *random) {
 static void a_moving_camera_has_what_it_sees_now(void **state) {
   (void)state;
   random_state random = {2};
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < 100; ++i) {
     const csm_config config = sampled_config(i % 2 ? CSM_DEPTH_SAMPLES_SPLITS : CSM_DEPTH_SAMPLES_BOUNDS);
     const test_camera base = standing_somewhere(&random);
     plan_history history = {0};
@@ -402,7 +402,7 @@ static void the_margin_holds_what_comes_into_the_picture(void **state) {
   config.split_mode = CSM_SPLIT_MANUAL; /* whatever depth it has */
   for (int c = 0; c < 4; ++c)
     config.split_distances[c] = (double[]){5.0, 15.0, 50.0, 1000.0}[c];
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < 80; ++i) {
     const test_camera plain = plain_camera();
     test_camera base = plain;
     const double around = random_between(&random, 0.0, 2.0 * M_PI); /* so that the light comes from any side */
@@ -431,7 +431,7 @@ static void what_was_seen_is_found_again_after_a_move(void **state) {
   (void)state;
   random_state random = {5};
   uint32_t found = 0;
-  for (int i = 0; i < 600; ++i) {
+  for (int i = 0; i < 240; ++i) {
     csm_config config = sampled_config(CSM_DEPTH_SAMPLES_BOUNDS);
     config.depth_samples_margin = 0.15;
     const test_camera base = standing_somewhere(&random);
@@ -465,7 +465,7 @@ static void what_was_seen_is_found_again_after_a_move(void **state) {
         }
       }
   }
-  assert_true(found > 100000);
+  assert_true(found > 40000);
 }
 
 static void sizes_stay_while_a_camera_sways(void **state) {
@@ -474,27 +474,29 @@ static void sizes_stay_while_a_camera_sways(void **state) {
   /* By then both ends of the way have been seen, and what was too wide at first has let go. */
   const int settled = 20;
   uint32_t needed = 0;
-  for (int i = 0; i < 300; ++i) {
+  for (int i = 0; i < 100; ++i) {
     const csm_config config = sampled_config(i % 2 ? CSM_DEPTH_SAMPLES_SPLITS : CSM_DEPTH_SAMPLES_BOUNDS);
     const test_camera base = standing_somewhere(&random);
+    test_camera ends[2]; /* of its way */
+    picture seen[2];
+    plan_frame alone[2];
     plan_history history = {0};
-    plan_frame last = {0}, alone = {0};
+    plan_frame last = {0};
+    for (int end = 0; end < 2; ++end) {
+      sway(&ends[end], &base, end ? 1.0 : -1.0);
+      take(&seen[end], &ends[end], ground_and_wall);
+      alone[end] = plan_with(&config, &ends[end], &seen[end], NULL);
+    }
     for (int step = 0; step < 60; ++step) {
-      test_camera camera;
-      picture seen;
-      sway(&camera, &base, step % 2 ? 1.0 : -1.0);
-      take(&seen, &camera, ground_and_wall);
-      const plan_frame frame = plan_with(&config, &camera, &seen, &history);
-      const plan_frame without = plan_with(&config, &camera, &seen, NULL);
+      const plan_frame frame = plan_with(&config, &ends[step % 2], &seen[step % 2], &history);
       for (uint32_t c = 0; c < frame.cascade_count; ++c) {
         if (step > settled)
           assert_true(frame.cascades[c].texel[0] == last.cascades[c].texel[0] &&
                       frame.cascades[c].texel[1] == last.cascades[c].texel[1] &&
                       frame.cascades[c].info.far_depth == last.cascades[c].info.far_depth);
-        needed += step > settled && without.cascades[c].texel[0] != alone.cascades[c].texel[0];
+        needed += step > settled && alone[0].cascades[c].texel[0] != alone[1].cascades[c].texel[0];
       }
       last = frame;
-      alone = without;
       history = frame.history;
     }
   }
@@ -523,6 +525,99 @@ static void sizes_follow_what_is_seen(void **state) {
   assert_true(end_of(&shrunk) == end_of(&first));
 }
 
+/* ---- several views ---- */
+
+/* Near on one side of the picture; a wall behind everything on the other: as two eyes, or two halves, may have it. */
+static double near_thing(const test_camera *camera, double x, double y) {
+  (void)camera;
+  return fabs(y) < 0.5 ? 3.0 + x : -INFINITY;
+}
+
+static double far_thing(const test_camera *camera, double x, double y) {
+  (void)camera;
+  return fabs(y) < 0.5 ? 300.0 + 10.0 * x : -INFINITY;
+}
+
+static plan_frame plan_both(const csm_config *config, const test_camera *camera, const plan_depth_samples views[2]) {
+  const plan_scene empty = {0};
+  double view[16], projection[16];
+  const char *error = "";
+  plan_frame frame;
+  camera_matrices(camera, view, projection);
+  const plan_frame_info info = {.config = config,
+                                .view = view,
+                                .projection = projection,
+                                .reversed = camera_reversed(camera),
+                                .light = sun,
+                                .scene = &empty,
+                                .samples = views,
+                                .sample_count = 2};
+  if (plan_traced(&frame, &info, NULL, &error))
+    fail_msg("%s", error);
+  return frame;
+}
+
+static void what_any_view_saw_is_held(void **state) {
+  (void)state;
+  const test_camera camera = plain_camera();
+  static picture near, far;
+  take(&near, &camera, near_thing);
+  take(&far, &camera, far_thing);
+  for (uint32_t distribution = CSM_DEPTH_SAMPLES_SPLITS; distribution <= CSM_DEPTH_SAMPLES_BOUNDS; ++distribution)
+    for (int order = 0; order < 2; ++order) {
+      const csm_config config = sampled_config(distribution);
+      const plan_depth_samples views[2] = {order ? far.samples : near.samples, order ? near.samples : far.samples};
+      const plan_frame frame = plan_both(&config, &camera, views);
+      assert_true(frame.history.has_samples);
+      assert_true(frame.cascades[0].info.near_depth > 1.0 && end_of(&frame) < 600.0);
+      check_covered(&config, &frame, &near);
+      check_covered(&config, &frame, &far);
+    }
+}
+
+/* Nothing is fitted to half of what is seen. */
+static void one_view_that_is_of_no_use_leaves_all_unfitted(void **state) {
+  (void)state;
+  const test_camera camera = plain_camera();
+  test_camera cut = camera;
+  static picture good, nothing_seen, other;
+  const csm_config config = sampled_config(CSM_DEPTH_SAMPLES_BOUNDS);
+  camera_look(&cut, (double[]){1.0, 0.0, 0.0}, 0.0);
+  take(&good, &camera, ground_and_wall);
+  take(&nothing_seen, &camera, nothing);
+  take(&other, &cut, slanted);
+  const plan_frame plain = plan_with(&config, &camera, NULL, NULL);
+  for (int i = 0; i < 6; ++i) {
+    plan_depth_samples bad = i % 3 == 0 ? other.samples : nothing_seen.samples;
+    if (i % 3 == 2)
+      bad.columns = bad.rows = 0;
+    const plan_depth_samples views[2] = {i < 3 ? bad : good.samples, i < 3 ? good.samples : bad};
+    const plan_frame frame = plan_both(&config, &camera, views);
+    assert_false(frame.history.has_samples);
+    assert_memory_equal(frame.cascades, plain.cascades, sizeof plain.cascades);
+  }
+}
+
+/* What a driver may leave in a buffer: numbers that are no depths. */
+static void no_depth_of_a_buffer_raises_an_exception(void **state) {
+  (void)state;
+  random_state random = {9};
+  static picture seen;
+  for (int i = 0; i < 400; ++i) {
+    test_camera camera = plain_camera();
+    camera.reversed = i % 2;
+    camera.far = i / 2 % 2 ? INFINITY : 1000.0;
+    take(&seen, &camera, ground_and_wall);
+    const float odd[] = {0.0f, 1.0f, NAN, INFINITY, -INFINITY, 1e-40f, 3e38f, -1.0f, 0.5f, nextafterf(1.0f, 0.0f)};
+    for (int k = 0; k < 10; ++k)
+      seen.tiles[random_below(&random, rows * columns)][k % 2] = odd[random_below(&random, 10)];
+    const csm_config config = sampled_config(CSM_DEPTH_SAMPLES_BOUNDS);
+    const plan_frame frame = plan_with(&config, &camera, &seen, NULL);
+    for (uint32_t c = 0; c < frame.cascade_count; ++c)
+      assert_true(plan_finite(frame.cascades[c].info.world_to_shadow, 16));
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(splits_and_bounds_hold_what_is_seen),
@@ -536,6 +631,9 @@ int main(void) {
       cmocka_unit_test(what_was_seen_is_found_again_after_a_move),
       cmocka_unit_test(sizes_stay_while_a_camera_sways),
       cmocka_unit_test(sizes_follow_what_is_seen),
+      cmocka_unit_test(what_any_view_saw_is_held),
+      cmocka_unit_test(one_view_that_is_of_no_use_leaves_all_unfitted),
+      cmocka_unit_test(no_depth_of_a_buffer_raises_an_exception),
   };
   return cmocka_run_group_tests_name("plan-depth-samples", tests, NULL, NULL);
 }
