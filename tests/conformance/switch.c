@@ -141,6 +141,7 @@ static void a_switch_may_fail_anywhere(void **state) {
   f.record.quiet = true;
   csm_result result;
   int64_t failures = 0;
+  bool roomy = false;
   do {
     const int64_t blocks = f.record.blocks;
     csm_create_info info = to(&f, other_backend());
@@ -151,7 +152,8 @@ static void a_switch_may_fail_anywhere(void **state) {
     if (!result)
       break;
     assert_true(result == CSM_ERROR_OUT_OF_MEMORY || result == CSM_ERROR_OUT_OF_DEVICE_MEMORY);
-    assert_int_equal(f.record.blocks, blocks);
+    assert_true(f.record.blocks <= blocks + !roomy); /* room that the next try has already */
+    roomy |= f.record.blocks > blocks;
     if (failures % 8 == 1) {
       draw(&f, 0, after);
       assert_memory_equal(before, after, sizeof before);
