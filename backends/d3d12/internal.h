@@ -80,7 +80,6 @@ struct gpu_image {
 struct gpu_view {
   gpu_image *image;
   gpu_range range; /* no count is 0 */
-  bool array;
 };
 
 struct gpu_target {

@@ -51,6 +51,11 @@ static bool is_uniform(const gpu_image *image, const gpu_range *range) {
   return true;
 }
 
+/* Copies into one place are ordered by a barrier from their state to itself, where the run time wants one. */
+static bool needs_transition(const gpu_device *device, D3D12_RESOURCE_STATES last, D3D12_RESOURCE_STATES next) {
+  return last != next || (next == D3D12_RESOURCE_STATE_COPY_DEST && device->traits->self_barriers);
+}
+
 void d3d12_image_use(gpu_device *device, gpu_image *image, const gpu_range *part, D3D12_RESOURCE_STATES state) {
   const gpu_range range = d3d12_range(image, part);
   if (image->borrowed)
@@ -63,14 +68,14 @@ void d3d12_image_use(gpu_device *device, gpu_image *image, const gpu_range *part
   }
   const bool uniform = is_uniform(image, &range);
   bool stored = false;
-  if (uniform && image->states[0] != state)
+  if (uniform && needs_transition(device, image->states[0], state))
     add_transition(device, &image->resource, D3D12_RESOURCE_BARRIER_ALL_SUBRESOURCES, image->states[0], state);
   for (uint32_t layer = range.first_layer; layer < range.first_layer + range.layer_count; layer++)
     for (uint32_t level = range.first_level; level < range.first_level + range.level_count; level++) {
       const uint32_t subresource = level + layer * image->level_count;
       D3D12_RESOURCE_STATES *last = &image->states[subresource];
       stored |= *last == state && state == D3D12_RESOURCE_STATE_UNORDERED_ACCESS;
-      if (!uniform && *last != state)
+      if (!uniform && needs_transition(device, *last, state))
         add_transition(device, &image->resource, subresource, *last, state);
       *last = state;
     }

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { mesh_count = 6, most = 300, frames = 250 };
+enum { mesh_count = 6, most = 300, frames = 100 };
 
 static void *CSM_CALL give(void *user, size_t size, size_t align) {
   (void)user;
@@ -145,17 +145,18 @@ static void make_room(plan_cache *cache, uint32_t slots) {
   *cache = (plan_cache){.memory = give(NULL, plan_cache_size(slots), 64), .slots = slots};
 }
 
-static void a_warm_plan_is_a_cold_one(void **state) {
-  (void)state;
+/* `least`: slots that the cache has room for from the start. `bursts`: changes in a row, at most. */
+static void check_warm_plans(uint64_t seed, uint32_t least, uint32_t bursts) {
   static world w;
   uint32_t drawn = 0;
   plan_cache cache = {0};
-  world_begin(&w, 1);
+  world_begin(&w, seed);
+  make_room(&cache, least);
   test_camera camera = plain_camera();
   csm_config config = default_config();
   double view[16], projection[16], light[3] = {0.3, -1.0, 0.2};
   for (int i = 0; i < frames; ++i) {
-    for (uint32_t n = random_below(&w.random, 4); n; --n) /* up to more changes than the journal holds */
+    for (uint32_t n = random_below(&w.random, bursts); n; --n)
       change_something(&w);
     camera.eye[0] = random_between(&w.random, -5.0, 5.0);
     camera_matrices(&camera, view, projection);
@@ -164,7 +165,7 @@ static void a_warm_plan_is_a_cold_one(void **state) {
     config.caster_set = (uint32_t)i / 3 % 2;
     config.depth_mode = (uint32_t)i % 4;
     const plan_frame_info info = {.config = &config, .view = view, .projection = projection, .light = light};
-    make_room(&cache, i % 7 == 6 ? cache.slots + 100 : w.store.ids.count);
+    make_room(&cache, w.store.ids.count);
     const plan_frame cold = plan_once(&w, &info, NULL, 0), warm = plan_once(&w, &info, &cache, 1);
     assert_same_plans(&w, &config, &cold, &warm);
     assert_true(!w.store.ids.count || (cache.keeps && cache.revision == w.store.revision));
@@ -174,6 +175,24 @@ static void a_warm_plan_is_a_cold_one(void **state) {
   assert_true(drawn > 1000);
   free(cache.memory);
   world_end(&w);
+}
+
+static void a_warm_plan_is_a_cold_one(void **state) {
+  (void)state;
+  check_warm_plans(1, 0, 4);
+}
+
+/* The journal is made anew while the cache stays. */
+static void a_store_that_grows_leaves_the_cache_warm(void **state) {
+  (void)state;
+  for (uint64_t seed = 10; seed < 20; ++seed)
+    check_warm_plans(seed, 2 * most, 5);
+}
+
+/* More changes between two plans than the journal holds. */
+static void a_journal_that_runs_over_leaves_the_cache_warm(void **state) {
+  (void)state;
+  check_warm_plans(2, 2 * most, 16);
 }
 
 /* One cache, as of cascades that are drawn with one scene and then with another. */
@@ -225,6 +244,8 @@ static void a_small_cache_is_not_used(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_warm_plan_is_a_cold_one),
+      cmocka_unit_test(a_store_that_grows_leaves_the_cache_warm),
+      cmocka_unit_test(a_journal_that_runs_over_leaves_the_cache_warm),
       cmocka_unit_test(a_cache_tells_scenes_apart),
       cmocka_unit_test(a_small_cache_is_not_used),
   };

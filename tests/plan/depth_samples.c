@@ -1,107 +1,8 @@
 /* Splits and bounds by what the camera saw, in scenes whose depths are known. */
-#include "support.h"
+#include "pictures.h"
 
 #include <math.h>
 #include <string.h>
-
-enum { width = 64, height = 36, tile_px = 8, columns = 8, rows = 5 };
-
-static const double sun[3] = {0.3, -1.0, 0.2};
-
-/* What a camera's buffer holds: the view depth at a pixel; negative infinity: no surface. */
-typedef double depth_field(const test_camera *camera, double x, double y);
-
-typedef struct picture {
-  test_camera camera;
-  double depths[height][width]; /* of view, where the buffer's depth leads back to */
-  float tiles[rows * columns][2];
-  plan_depth_samples samples;
-} picture;
-
-static void pixel_clip(int column, int row, double out[2]) {
-  out[0] = 2.0 * (column + 0.5) / width - 1.0;
-  out[1] = 1.0 - 2.0 * (row + 0.5) / height;
-}
-
-static void plan_camera_of(plan_camera *out, const test_camera *camera) {
-  double view[16], projection[16];
-  const char *error = "";
-  camera_matrices(camera, view, projection);
-  if (plan_camera_make(out, view, projection, camera_reversed(camera), &error))
-    fail_msg("%s", error);
-}
-
-static float buffer_depth(const test_camera *camera, const double p[16], double depth) {
-  const double z = camera->left_handed ? depth : -depth;
-  return (float)((p[10] * z + p[14]) / (p[11] * z + p[15]));
-}
-
-/* Where a depth of the buffer's lies: a float at the far end of a range is off by metres. */
-static double back_from(const test_camera *camera, const double p[16], double buffer) {
-  const double z = (p[14] - buffer * p[15]) / (buffer * p[11] - p[10]);
-  return camera->left_handed ? z : -z;
-}
-
-static void take(picture *out, const test_camera *camera, depth_field *field) {
-  double view[16], projection[16];
-  memset(out, 0, sizeof *out);
-  out->camera = *camera;
-  camera_matrices(camera, view, projection);
-  for (int i = 0; i < rows * columns; ++i) {
-    out->tiles[i][0] = INFINITY;
-    out->tiles[i][1] = -INFINITY;
-  }
-  for (int row = 0; row < height; ++row)
-    for (int column = 0; column < width; ++column) {
-      double clip[2];
-      pixel_clip(column, row, clip);
-      const double seen = field(camera, clip[0], clip[1]);
-      out->depths[row][column] = -INFINITY;
-      if (!(seen >= camera->near && seen <= camera->far))
-        continue;
-      const float depth = buffer_depth(camera, projection, seen);
-      float *tile = out->tiles[row / tile_px * columns + column / tile_px];
-      tile[0] = fminf(tile[0], depth);
-      tile[1] = fmaxf(tile[1], depth);
-      out->depths[row][column] = back_from(camera, projection, depth);
-    }
-  plan_camera_of(&out->samples.camera, camera);
-  out->samples.width = width;
-  out->samples.height = height;
-  out->samples.tile_px = tile_px;
-  out->samples.columns = columns;
-  out->samples.rows = rows;
-  out->samples.depths = (const float(*)[2])out->tiles;
-}
-
-/* ---- scenes ---- */
-
-static double plane_depth(const test_camera *camera, double x, double y, const double normal[3], double offset) {
-  double near[3], far[3], at_near = -offset, at_far = -offset;
-  camera_point(camera, x, y, 1.0, near);
-  camera_point(camera, x, y, 2.0, far);
-  for (int k = 0; k < 3; ++k) {
-    at_near += normal[k] * near[k];
-    at_far += normal[k] * far[k];
-  }
-  const double depth = 1.0 + at_near / (at_near - at_far);
-  return depth > 0.0 ? depth : INFINITY;
-}
-
-/* A ground two metres below the origin and a wall 40 metres away, or the ground alone, up to the horizon. */
-static double ground_and_wall(const test_camera *camera, double x, double y) {
-  return fmin(plane_depth(camera, x, y, (double[]){0, 1, 0}, -2.0),
-              plane_depth(camera, x, y, (double[]){0, 0, 1}, -40.0));
-}
-
-static double ground(const test_camera *camera, double x, double y) {
-  return plane_depth(camera, x, y, (double[]){0, 1, 0}, -2.0);
-}
-
-static double nothing(const test_camera *camera, double x, double y) {
-  (void)camera, (void)x, (void)y;
-  return -INFINITY;
-}
 
 /* Something in the middle of the picture alone, ten metres away. */
 static double small_thing(const test_camera *camera, double x, double y) {
@@ -118,72 +19,6 @@ static double slanted(const test_camera *camera, double x, double y) {
 /* Right at the near plane. */
 static double at_the_near_plane(const test_camera *camera, double x, double y) {
   return camera->near * (1.0 + 1e-6) + (x > 0.0 ? 5.0 + y : 0.0);
-}
-
-/* ---- plans ---- */
-
-static plan_frame plan_with(const csm_config *config, const test_camera *camera, const picture *seen,
-                            const plan_history *before) {
-  const plan_scene empty = {0};
-  double view[16], projection[16];
-  const char *error = "";
-  plan_frame frame;
-  camera_matrices(camera, view, projection);
-  const plan_frame_info info = {.config = config,
-                                .view = view,
-                                .projection = projection,
-                                .light = sun,
-                                .scene = &empty,
-                                .before = before,
-                                .reversed = camera_reversed(camera),
-                                .samples = seen ? &seen->samples : NULL,
-                                .sample_count = seen ? 1 : 0};
-  if (plan_traced(&frame, &info, NULL, &error))
-    fail_msg("%s", error);
-  return frame;
-}
-
-static csm_config sampled_config(uint32_t distribution) {
-  csm_config config = default_config();
-  config.depth_samples = distribution;
-  config.shadow_distance = 1000.0;
-  return config;
-}
-
-static double end_of(const plan_frame *frame) {
-  return frame->cascades[frame->cascade_count - 1].info.far_depth;
-}
-
-/* A surface at a view depth lies in a slice, and there in its map, with its filter. */
-static void check_point(const csm_config *config, const plan_frame *frame, const double p[3], double depth) {
-  const double first = frame->cascades[0].info.near_depth, rounding = 1e-9 * fabs(depth);
-  if (!(depth >= first - rounding && depth <= end_of(frame) + rounding))
-    fail_msg("%.9g is not in %.9g to %.9g", depth, first, end_of(frame));
-  uint32_t c = 0;
-  while (c + 1 < frame->cascade_count && depth > frame->cascades[c].info.far_depth)
-    ++c;
-  const plan_cascade *cascade = &frame->cascades[c];
-  const double border = (double)plan_filter_radius_texels(config) / cascade->resolution;
-  double at[3];
-  transform_point(cascade->info.world_to_shadow, p, at);
-  for (int axis = 0; axis < 2; ++axis)
-    if (!(at[axis] >= border && at[axis] <= 1.0 - border))
-      fail_msg("cascade %u, depth %g: %.9g outside of its map", c, depth, at[axis]);
-}
-
-/* So does every surface of a picture before the end of shadows. */
-static void check_covered(const csm_config *config, const plan_frame *frame, const picture *now) {
-  const plan_frame unfitted = plan_with(config, &now->camera, NULL, NULL);
-  for (int row = 0; row < height; ++row)
-    for (int column = 0; column < width; ++column) {
-      const double depth = now->depths[row][column];
-      double clip[2], p[3];
-      if (!(depth > -INFINITY) || depth > end_of(&unfitted))
-        continue;
-      pixel_clip(column, row, clip);
-      camera_point(&now->camera, clip[0], clip[1], depth, p);
-      check_point(config, frame, p, depth);
-    }
 }
 
 static void assert_unfitted(const csm_config *config, const test_camera *camera, const picture *seen) {
@@ -525,99 +360,6 @@ static void sizes_follow_what_is_seen(void **state) {
   assert_true(end_of(&shrunk) == end_of(&first));
 }
 
-/* ---- several views ---- */
-
-/* Near on one side of the picture; a wall behind everything on the other: as two eyes, or two halves, may have it. */
-static double near_thing(const test_camera *camera, double x, double y) {
-  (void)camera;
-  return fabs(y) < 0.5 ? 3.0 + x : -INFINITY;
-}
-
-static double far_thing(const test_camera *camera, double x, double y) {
-  (void)camera;
-  return fabs(y) < 0.5 ? 300.0 + 10.0 * x : -INFINITY;
-}
-
-static plan_frame plan_both(const csm_config *config, const test_camera *camera, const plan_depth_samples views[2]) {
-  const plan_scene empty = {0};
-  double view[16], projection[16];
-  const char *error = "";
-  plan_frame frame;
-  camera_matrices(camera, view, projection);
-  const plan_frame_info info = {.config = config,
-                                .view = view,
-                                .projection = projection,
-                                .reversed = camera_reversed(camera),
-                                .light = sun,
-                                .scene = &empty,
-                                .samples = views,
-                                .sample_count = 2};
-  if (plan_traced(&frame, &info, NULL, &error))
-    fail_msg("%s", error);
-  return frame;
-}
-
-static void what_any_view_saw_is_held(void **state) {
-  (void)state;
-  const test_camera camera = plain_camera();
-  static picture near, far;
-  take(&near, &camera, near_thing);
-  take(&far, &camera, far_thing);
-  for (uint32_t distribution = CSM_DEPTH_SAMPLES_SPLITS; distribution <= CSM_DEPTH_SAMPLES_BOUNDS; ++distribution)
-    for (int order = 0; order < 2; ++order) {
-      const csm_config config = sampled_config(distribution);
-      const plan_depth_samples views[2] = {order ? far.samples : near.samples, order ? near.samples : far.samples};
-      const plan_frame frame = plan_both(&config, &camera, views);
-      assert_true(frame.history.has_samples);
-      assert_true(frame.cascades[0].info.near_depth > 1.0 && end_of(&frame) < 600.0);
-      check_covered(&config, &frame, &near);
-      check_covered(&config, &frame, &far);
-    }
-}
-
-/* Nothing is fitted to half of what is seen. */
-static void one_view_that_is_of_no_use_leaves_all_unfitted(void **state) {
-  (void)state;
-  const test_camera camera = plain_camera();
-  test_camera cut = camera;
-  static picture good, nothing_seen, other;
-  const csm_config config = sampled_config(CSM_DEPTH_SAMPLES_BOUNDS);
-  camera_look(&cut, (double[]){1.0, 0.0, 0.0}, 0.0);
-  take(&good, &camera, ground_and_wall);
-  take(&nothing_seen, &camera, nothing);
-  take(&other, &cut, slanted);
-  const plan_frame plain = plan_with(&config, &camera, NULL, NULL);
-  for (int i = 0; i < 6; ++i) {
-    plan_depth_samples bad = i % 3 == 0 ? other.samples : nothing_seen.samples;
-    if (i % 3 == 2)
-      bad.columns = bad.rows = 0;
-    const plan_depth_samples views[2] = {i < 3 ? bad : good.samples, i < 3 ? good.samples : bad};
-    const plan_frame frame = plan_both(&config, &camera, views);
-    assert_false(frame.history.has_samples);
-    assert_memory_equal(frame.cascades, plain.cascades, sizeof plain.cascades);
-  }
-}
-
-/* What a driver may leave in a buffer: numbers that are no depths. */
-static void no_depth_of_a_buffer_raises_an_exception(void **state) {
-  (void)state;
-  random_state random = {9};
-  static picture seen;
-  for (int i = 0; i < 400; ++i) {
-    test_camera camera = plain_camera();
-    camera.reversed = i % 2;
-    camera.far = i / 2 % 2 ? INFINITY : 1000.0;
-    take(&seen, &camera, ground_and_wall);
-    const float odd[] = {0.0f, 1.0f, NAN, INFINITY, -INFINITY, 1e-40f, 3e38f, -1.0f, 0.5f, nextafterf(1.0f, 0.0f)};
-    for (int k = 0; k < 10; ++k)
-      seen.tiles[random_below(&random, rows * columns)][k % 2] = odd[random_below(&random, 10)];
-    const csm_config config = sampled_config(CSM_DEPTH_SAMPLES_BOUNDS);
-    const plan_frame frame = plan_with(&config, &camera, &seen, NULL);
-    for (uint32_t c = 0; c < frame.cascade_count; ++c)
-      assert_true(plan_finite(frame.cascades[c].info.world_to_shadow, 16));
-  }
-}
-
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(splits_and_bounds_hold_what_is_seen),
@@ -631,9 +373,6 @@ int main(void) {
       cmocka_unit_test(what_was_seen_is_found_again_after_a_move),
       cmocka_unit_test(sizes_stay_while_a_camera_sways),
       cmocka_unit_test(sizes_follow_what_is_seen),
-      cmocka_unit_test(what_any_view_saw_is_held),
-      cmocka_unit_test(one_view_that_is_of_no_use_leaves_all_unfitted),
-      cmocka_unit_test(no_depth_of_a_buffer_raises_an_exception),
   };
   return cmocka_run_group_tests_name("plan-depth-samples", tests, NULL, NULL);
 }

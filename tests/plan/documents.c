@@ -91,7 +91,8 @@ static void ogldevs_near_plane_loses_casters(void **state) {
   for (int i = 0; i < 3; ++i)
     scene.instances[0].transform[i * 4 + 3] = tower[i];
   camera_matrices(&camera, view, projection);
-  assert_int_equal(plan_made(&frame, &config, view, projection, camera_reversed(&camera), (double[]){0.0, -1.0, 0.0},
+  assert_int_equal(plan_made(&frame, &config,
+                             &(test_shot){view, projection, camera_reversed(&camera), (double[]){0.0, -1.0, 0.0}},
                              &scene.scene, scene.memory, &error),
                    CSM_SUCCESS);
   const plan_cascade *cascade = &frame.cascades[3];

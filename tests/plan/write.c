@@ -36,8 +36,8 @@ static void cascade_matrices_agree_with_world_to_shadow(void **state) {
     camera_matrices(&camera, view, projection);
     scene_scatter(&scene, &random, camera.eye, 20.0);
     plan_frame frame;
-    assert_int_equal(plan_made(&frame, &config, view, projection, camera_reversed(&camera), light, &scene.scene,
-                               scene.memory, &error),
+    assert_int_equal(plan_made(&frame, &config, &(test_shot){view, projection, camera_reversed(&camera), light},
+                               &scene.scene, scene.memory, &error),
                      CSM_SUCCESS);
     for (uint32_t c = 0; c < frame.cascade_count; ++c) {
       const plan_cascade *cascade = &frame.cascades[c];
@@ -320,8 +320,9 @@ static uint64_t hash_of(const hashed *in, const test_scene *scene) {
   const char *error = "";
   plan_frame frame;
   camera_matrices(&in->camera, view, projection);
-  assert_int_equal(plan_made(&frame, &in->config, view, projection, camera_reversed(&in->camera), in->light,
-                             &scene->scene, scene->memory, &error),
+  assert_int_equal(plan_made(&frame, &in->config,
+                             &(test_shot){view, projection, camera_reversed(&in->camera), in->light}, &scene->scene,
+                             scene->memory, &error),
                    CSM_SUCCESS);
   return plan_hash(&frame, &in->config, &scene->scene);
 }
