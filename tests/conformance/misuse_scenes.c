@@ -183,7 +183,7 @@ static void ids_are_checked(void **state) {
   }
   memcpy(ids, s.ids, sizeof ids);
   ids[WRONG] = ids[1];
-  expect(&s.f, csm_scene_remove(s.scene, INSTANCES, ids), CSM_ERROR_INVALID_VALUE, "removing one twice");
+  expect(&s.f, csm_scene_remove(s.scene, INSTANCES, ids), CSM_ERROR_INVALID_HANDLE, "removing one twice");
 
   /* Ids that are gone are not given out again, and a mesh may go when its last instance has. */
   expect(&s.f, csm_mesh_destroy(s.f.context, s.f.scene.instances[1].mesh), CSM_ERROR_INVALID_STATE, "a mesh in use");
