@@ -165,6 +165,17 @@ void plan_write_cascade_matrices(float *out, const plan_frame *frame, uint32_t c
 /* Object to clip: four float4 rows each (16 floats). */
 void plan_write_view_matrices(float *out, const plan_list *list, const plan_camera *camera, const plan_scene *scene);
 
+/* Whether all maps are layers of one image and of one size. */
+bool plan_maps_alike(const csm_config *config);
+/* Whether the bias is in texels alone, but for a constant share of the depth range. */
+bool plan_bias_in_texels(const csm_config *config);
+/*
+ * The text that fixes shaders/include to a checked configuration: a line of #define each. *size holds the room in `text`
+ * and gets what it takes, with the closing 0; `text` may be NULL to ask for that. LIMIT_EXCEEDED: the room is too small,
+ * and nothing was written.
+ */
+csm_result plan_shader_defines(const csm_config *config, char *text, size_t *size);
+
 /* The block that shaders/include/csm_constants.h lays out, relative to frame->camera.position. Returns its bytes. */
 uint32_t plan_write_constants(float *out, const plan_frame *frame, const csm_config *config);
 /* The block of the mask pass: how `camera`'s clip space maps to world positions relative to frame->camera.position;
