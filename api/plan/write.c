@@ -79,7 +79,7 @@ uint32_t plan_write_constants(float *out, const plan_frame *frame, const csm_con
   const double *origin = frame->origin, *place = frame->camera.position;
   const double from_camera[3] = {origin[0] - place[0], origin[1] - place[1], origin[2] - place[2]};
   const double towards[3] = {side * view[2], side * view[6], side * view[10]};
-  put(out, CSM_C_DEPTH, towards[0], towards[1], towards[2], plan_dot(towards, from_camera) + 0.0); /* no -0 */
+  put(out, CSM_C_DEPTH, towards[0], towards[1], towards[2], plan_dot(towards, from_camera));
   for (uint32_t i = 0; i < 3; ++i)
     put(out, CSM_C_BASIS + i, frame->basis[i * 3], frame->basis[i * 3 + 1], frame->basis[i * 3 + 2], 0.0);
   for (uint32_t i = 0; i < CSM_CONSTANTS_CASCADES; ++i) {
