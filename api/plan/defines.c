@@ -2,7 +2,6 @@
 #include "plan/internal.h"
 
 #include <stdio.h>
-#include <string.h>
 
 bool plan_maps_alike(const csm_config *config) {
   if (config->map_layout != CSM_LAYOUT_ARRAY)
@@ -22,7 +21,7 @@ typedef struct define {
   uint32_t value;
 } define;
 
-enum { MOST_DEFINES = 16, MOST_TEXT = 1024 };
+enum { MOST_DEFINES = 16, MOST_LINE = 64 };
 
 static uint32_t list_defines(define out[MOST_DEFINES], const csm_config *config) {
   uint32_t count = 0;
@@ -44,19 +43,18 @@ static uint32_t list_defines(define out[MOST_DEFINES], const csm_config *config)
   return count;
 }
 
-csm_result plan_shader_defines(const csm_config *config, char *text, size_t *size) {
+size_t plan_shader_defines(const csm_config *config, char *text, size_t size) {
   define defines[MOST_DEFINES];
-  char made[MOST_TEXT];
-  const size_t room = *size;
+  char line[MOST_LINE];
   const uint32_t count = list_defines(defines, config);
   size_t length = 0;
-  for (uint32_t i = 0; i < count; ++i)
-    length += (size_t)snprintf(&made[length], sizeof made - length, "#define %s %u\n", defines[i].name, defines[i].value);
-  *size = length + 1;
-  if (!text)
-    return CSM_SUCCESS;
-  if (room < length + 1)
-    return CSM_ERROR_LIMIT_EXCEEDED;
-  memcpy(text, made, length + 1);
-  return CSM_SUCCESS;
+  for (uint32_t i = 0; i < count; ++i) {
+    const size_t more = (size_t)snprintf(line, sizeof line, "#define %s %u\n", defines[i].name, defines[i].value);
+    for (size_t k = 0; k < more; ++k, ++length)
+      if (length + 1 < size)
+        text[length] = line[k];
+  }
+  if (size)
+    text[length < size ? length : size - 1] = '\0';
+  return length + 1;
 }

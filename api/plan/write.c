@@ -5,72 +5,11 @@
 #include <math.h>
 #include <string.h>
 
-void plan_cascade_to_clip(double rows[3][4], const plan_frame *frame, uint32_t cascade) {
-  const double *to_clip = frame->cascades[cascade].to_clip;
-  for (int row = 0; row < 3; ++row) {
-    for (int k = 0; k < 3; ++k)
-      rows[row][k] = to_clip[row * 4] * frame->basis[k] + to_clip[row * 4 + 1] * frame->basis[3 + k] +
-                     to_clip[row * 4 + 2] * frame->basis[6 + k];
-    rows[row][3] = to_clip[row * 4 + 3];
-  }
-}
-
-void plan_cascade_volume(const plan_frame *frame, uint32_t cascade, double world_to_clip[16], double planes[5][4]) {
-  double rows[3][4];
-  plan_cascade_to_clip(rows, frame, cascade);
-  for (int column = 0; column < 4; ++column) {
-    for (int row = 0; row < 3; ++row)
-      world_to_clip[column * 4 + row] = rows[row][column];
-    world_to_clip[column * 4 + 3] = column == 3;
-    const double one = column == 3;
-    planes[0][column] = rows[0][column] + one;
-    planes[1][column] = one - rows[0][column];
-    planes[2][column] = rows[1][column] + one;
-    planes[3][column] = one - rows[1][column];
-    /* The far side is depth 1, or 0 where depth grows towards the light. */
-    planes[4][column] = frame->cascades[cascade].to_clip[10] < 0.0 ? rows[2][column] : one - rows[2][column];
-  }
-}
-
-void plan_instance_to_clip(float out[12], const double rows[3][4], const plan_instance *instance) {
-  const double *t = instance->transform;
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 4; ++column) {
-      const double constant = column == 3 ? rows[row][3] : 0.0;
-      out[row * 4 + column] =
-          plan_float(rows[row][0] * t[column] + rows[row][1] * t[4 + column] + rows[row][2] * t[8 + column] + constant);
-    }
-}
-
-void plan_write_cascade_matrices(float *out, const plan_frame *frame, uint32_t cascade, const plan_scene *scene) {
-  const plan_list *list = &frame->cascades[cascade].list;
-  double rows[3][4];
-  plan_cascade_to_clip(rows, frame, cascade);
-  for (uint32_t i = 0; i < list->instance_count; ++i)
-    plan_instance_to_clip(&out[(size_t)i * 12], rows, &scene->instances[list->instances[i]]);
-}
-
-void plan_write_view_matrices(float *out, const plan_list *list, const plan_camera *camera, const plan_scene *scene) {
-  /* Relative to the camera, so that a large world costs no precision */
-  double to_view[16], to_clip[16];
-  for (int i = 0; i < 16; ++i)
-    to_view[i] = i < 12 ? camera->view[i] : i == 15;
-  plan_multiply(to_clip, camera->projection, to_view);
-  for (uint32_t i = 0; i < list->instance_count; ++i, out += 16) {
-    const double *t = scene->instances[list->instances[i]].transform;
-    double object[16];
-    for (int column = 0; column < 4; ++column) {
-      for (int row = 0; row < 3; ++row)
-        object[column * 4 + row] = t[row * 4 + column] - (column == 3 ? camera->position[row] : 0.0);
-      object[column * 4 + 3] = column == 3;
-    }
-    double clip[16];
-    plan_multiply(clip, to_clip, object);
-    for (int row = 0; row < 4; ++row)
-      for (int column = 0; column < 4; ++column)
-        out[row * 4 + column] = plan_float(clip[column * 4 + row]);
-  }
-}
+/*
+ * A frame without shadows (frame->unshadowed) needs nothing of its own here. plan_fit_nothing has given its cascades
+ * intervals that end far below every view depth, and scales that put every point at texture coordinates and a depth of
+ * 2. So a shader that runs through a fixed number of cascades finds none that holds a point.
+ */
 
 static void put(float *out, uint32_t index, double x, double y, double z, double w) {
   out[index * 4] = plan_float(x);
@@ -90,13 +29,12 @@ static double grid_place(const plan_cascade *cascade) {
   return place[0] + 4096.0 * place[1];
 }
 
-/* Where a cascade's map lies in light space that begins at the camera. */
+/* Where a cascade's map lies in light space that begins at the frame's origin. */
 static void put_cascade(float *out, uint32_t index, const plan_frame *frame, const plan_cascade *cascade) {
   double scale[3], offset[3];
   for (uint32_t axis = 0; axis < 3; ++axis) {
     scale[axis] = cascade->to_clip[axis * 5];
-    offset[axis] =
-        scale[axis] * plan_dot(&frame->basis[axis * 3], frame->camera.position) + cascade->to_clip[axis * 4 + 3];
+    offset[axis] = scale[axis] * plan_dot(&frame->basis[axis * 3], frame->origin) + cascade->to_clip[axis * 4 + 3];
   }
   put(out, CSM_C_SCALES + index, scale[0], scale[1], scale[2], 0.0);
   put(out, CSM_C_OFFSETS + index, offset[0], offset[1], offset[2], 0.0);
@@ -119,8 +57,8 @@ static void put_maps(float *out, const plan_frame *frame, const csm_config *conf
     const plan_cascade *cascade = &frame->cascades[index];
     const plan_rect *rect = &layout.rects[index];
     put(out, CSM_C_RECTS + i, rect->x, rect->y, rect->side, rect->layer);
-    put(out, CSM_C_TEXELS + i, cascade->info.texel_size, 1.0 / cascade->info.depth_range, 1.0 - 2.0 * border / rect->side,
-        cascade->texel[0] * cascade->texel[1]);
+    put(out, CSM_C_TEXELS + i, cascade->info.texel_size, 1.0 / cascade->info.depth_range,
+        1.0 - 2.0 * border / rect->side, cascade->texel[0] * cascade->texel[1]);
     out[CSM_C_SPLITS * 4 + i] = plan_float(cascade->info.far_depth);
     if (i == index)
       put_cascade(out, i, frame, cascade);
@@ -155,16 +93,28 @@ static void put_settings(float *out, const plan_frame *frame, const csm_config *
   put_bias(out, config);
   put_filter(out, config);
   put(out, CSM_S_MODES, config->selection, config->out_of_range, config->blend_mode, config->normal_offset_mode);
-  put(out, CSM_S_BAND, config->blend_share, end - fade, fade > 0.0 ? 1.0 / fade : 0.0,
+  put(out, CSM_S_BAND, config->blend_share, end - fade, fade > 1e-30 ? 1.0 / fade : 0.0,
       frame->cascades[0].info.near_depth);
   put(out, CSM_S_OPTIONS, config->bias_mode, config->filter_early_out, config->map_reversed ? -1.0 : 1.0,
       config->map_reversed ? 0.0 : 1.0);
 }
 
-uint32_t plan_write_constants(float *out, const plan_frame *frame, const csm_config *config) {
+/* The way the camera looks, as its view has it, and the view depth of the frame's origin. */
+static double look(double forward[3], const plan_frame *frame) {
   const double *view = frame->camera.view, side = plan_view_side(&frame->camera);
+  double depth = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    forward[i] = side * view[i * 4 + 2];
+    depth += forward[i] * (frame->origin[i] - frame->camera.position[i]);
+  }
+  return depth;
+}
+
+uint32_t plan_write_constants(float *out, const plan_frame *frame, const csm_config *config) {
+  double forward[3];
+  const double depth = look(forward, frame);
   memset(out, 0, CSM_C_COUNT * 4 * sizeof(float));
-  put(out, CSM_C_DEPTH, side * view[2], side * view[6], side * view[10], 0.0);
+  put(out, CSM_C_DEPTH, forward[0], forward[1], forward[2], depth);
   for (uint32_t i = 0; i < 3; ++i)
     put(out, CSM_C_BASIS + i, frame->basis[i * 3], frame->basis[i * 3 + 1], frame->basis[i * 3 + 2], 0.0);
   put_maps(out, frame, config);
@@ -181,14 +131,14 @@ static void clip_and_pixels(double to_pixels[16], double to_clip[16], uint32_t w
   memcpy(to_clip, back, sizeof back);
 }
 
-/* World positions relative to the frame's camera, to a camera's clip space. */
+/* World positions relative to the frame's origin, to a camera's clip space. */
 static void relative_to_clip(double out[16], const plan_frame *frame, const plan_camera *camera) {
   double view[16];
   for (int i = 0; i < 16; ++i)
     view[i] = i < 12 ? camera->view[i] : i == 15;
   for (int row = 0; row < 3; ++row)
     for (int k = 0; k < 3; ++k)
-      view[12 + row] += camera->view[k * 4 + row] * (frame->camera.position[k] - camera->position[k]);
+      view[12 + row] += camera->view[k * 4 + row] * (frame->origin[k] - camera->position[k]);
   plan_multiply(out, camera->projection, view);
 }
 
@@ -201,23 +151,23 @@ static void clip_to_relative(double out[16], const plan_frame *frame, const plan
     const double *from = &unproject[column * 4];
     for (int row = 0; row < 3; ++row)
       out[column * 4 + row] = rotation[row] * from[0] + rotation[3 + row] * from[1] + rotation[6 + row] * from[2] +
-                              (camera->position[row] - frame->camera.position[row]) * from[3];
+                              (camera->position[row] - frame->origin[row]) * from[3];
     out[column * 4 + 3] = from[3];
   }
 }
 
 /* How a camera's pixels and light space belong together: CSM_M_LIGHT, CSM_M_PLANES and CSM_M_NORMALS. */
-static void put_pixels(float *out, const plan_frame *frame, const plan_camera *camera, uint32_t width, uint32_t height,
-                       bool unorm_normals) {
+static void put_pixels(float *out, const plan_frame *frame, const plan_picture *picture) {
+  const plan_camera *camera = picture->camera;
   double pixels[16], clip[16], relative[16], to_pixels[16], to_relative[16];
-  clip_and_pixels(pixels, clip, width, height);
+  clip_and_pixels(pixels, clip, picture->width, picture->height);
   relative_to_clip(relative, frame, camera);
   plan_multiply(to_pixels, pixels, relative);
   clip_to_relative(relative, frame, camera);
   plan_multiply(to_relative, relative, clip);
   /* A plane's value grows towards what has less depth, which is the viewer's side unless depth is reversed */
   const double viewer = camera->reversed ? -1.0 : 1.0;
-  const double decode = unorm_normals ? 2.0 : 1.0, middle = unorm_normals ? -1.0 : 0.0;
+  const double decode = picture->unorm_normals ? 2.0 : 1.0, middle = picture->unorm_normals ? -1.0 : 0.0;
   for (uint32_t axis = 0; axis < 3; ++axis) {
     const double *a = &frame->basis[axis * 3];
     double light[4], plane[4];
@@ -232,14 +182,14 @@ static void put_pixels(float *out, const plan_frame *frame, const plan_camera *c
   put(out, CSM_M_LIGHT + 3, to_relative[3], to_relative[7], to_relative[11], to_relative[15]);
 }
 
-uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_camera *camera, uint32_t width,
-                                   uint32_t height, bool unorm_normals, uint32_t view) {
-  const double side = plan_view_side(&frame->camera), *v = frame->camera.view;
-  const double forward[3] = {side * v[2], side * v[6], side * v[10]};
-  put_pixels(out, frame, camera, width, height, unorm_normals);
+uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_picture *picture) {
+  const double width = picture->width, height = picture->height;
+  double forward[3];
+  const double depth = look(forward, frame);
+  put_pixels(out, frame, picture);
   put(out, CSM_M_SIZE, width, height, 1.0 / width, 1.0 / height);
-  put(out, CSM_M_CLEAR, camera->reversed ? 0.0 : 1.0, view, 0.0, 0.0);
+  put(out, CSM_M_CLEAR, picture->camera->reversed ? 0.0 : 1.0, picture->show, 0.0, 0.0);
   put(out, CSM_M_DEPTH, plan_dot(forward, &frame->basis[0]), plan_dot(forward, &frame->basis[3]),
-      plan_dot(forward, &frame->basis[6]), 0.0);
+      plan_dot(forward, &frame->basis[6]), depth);
   return CSM_M_COUNT * 4 * sizeof(float);
 }

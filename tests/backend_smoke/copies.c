@@ -54,6 +54,39 @@ void test_copies(smoke *s) {
   s->gpu->buffer_destroy(s->device, readback);
 }
 
+/* Vertices that each frame moves by copy_buffer while the frames before it are in flight. */
+void test_updates(smoke *s) {
+  gpu_buffer *vertices = scrap_buffer(
+      s, (gpu_buffer_info){.name = "moving", .kind = GPU_BUFFER_DEVICE, .size = 48, .usage = GPU_BUFFER_READ});
+  gpu_buffer *staging[SLOTS];
+  for (uint32_t frame = 0; frame < SLOTS; frame++) {
+    const smoke_slot *slot = &s->slots[frame];
+    const float z = 0.25f + (float)frame / 8;
+    const float corners[12] = {-1, -1, 0, 3, -1, 0, -1, 3, 0, -1, -1, 0};
+    staging[frame] = scrap_buffer(s, (gpu_buffer_info){.name = "moves", .kind = GPU_BUFFER_UPLOAD, .size = 48});
+    float *moved = gpu_buffer_memory(s->g, staging[frame]);
+    for (uint32_t i = 0; i < 12; i++)
+      moved[i] = i % 3 == 2 ? z : corners[i];
+    begin(s, frame);
+    const float rows[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    memcpy(gpu_buffer_memory(s->g, slot->upload), rows, sizeof rows);
+    gpu_copy_buffer(s->g, vertices, 0, staging[frame], 0, 48);
+    gpu_pass_begin(s->g, &(gpu_pass_info){.target = s->plain.target, .depth_load = GPU_LOAD_CLEAR, .clear_depth = 1});
+    gpu_pass_program(s->g, s->depth);
+    gpu_pass_draw(s->g, &(gpu_draw){.streams = {vertices, slot->upload}, .count = 3, .instance_count = 1});
+    gpu_pass_end(s->g);
+    copy_layer(s, slot->readback, 0, s->plain.image, GPU_FORMAT_D32_FLOAT, 0);
+    end(s);
+  }
+  for (uint32_t frame = 0; frame < SLOTS; frame++) {
+    const csm_result result = smoke_wait(s, frame);
+    CHECK(s, result == CSM_SUCCESS, "wait: %d", result);
+    const uint32_t count = count_texels(gpu_buffer_memory(s->g, s->slots[frame].readback), 0.25f + (float)frame / 8);
+    CHECK(s, count == SIZE * SIZE, "frame %u: %u texels", frame, count);
+  }
+  scrap_free(s);
+}
+
 /* ---- regions ---- */
 
 /* A piece of the mask lands where it should, and nothing else of the buffer is written. */
@@ -88,8 +121,8 @@ static void draw_mask(smoke *s) {
   memcpy(upload + AT_SIZE, (const float[4]){1.0f / SIZE, 1.0f / SIZE}, 16);
   s->gpu->clear_depth(s->device, s->map, 1);
   draw_pass(s, s->map_targets[0], s->depth, slot->upload, 0, 2, 4);
-  s->gpu->make_readable(s->device, s->map);
-  s->gpu->pass_begin(s->device, s->mask_target);
+  s->gpu->make_readable(s->device, s->map, NULL);
+  s->gpu->pass_begin(s->device, &(gpu_pass_info){.target = s->mask_target, .color_load = GPU_LOAD_DISCARD});
   s->gpu->pass_program(s->device, s->compare);
   s->gpu->pass_bind(s->device, slot->bindings, (const uint32_t[]){AT_WHICH, AT_SIZE});
   s->gpu->pass_draw(s->device, &(gpu_draw){.count = 3, .instance_count = 1});
@@ -99,8 +132,8 @@ static void draw_mask(smoke *s) {
 
 void test_regions(smoke *s) {
   draw_mask(s);
-  test_region(s, (gpu_region){0, 0, 0, SIZE, SIZE}, 0, SIZE);
-  test_region(s, (gpu_region){0, 100, 120, 70, 33}, 1024, 256);
-  test_region(s, (gpu_region){0, 0, 127, SIZE, 2}, 512, 512);
-  test_region(s, (gpu_region){0, SIZE - 1, SIZE - 1, 1, 1}, 0, 256);
+  test_region(s, (gpu_region){0, 0, 0, SIZE, SIZE, 0}, 0, SIZE);
+  test_region(s, (gpu_region){0, 100, 120, 70, 33, 0}, 1024, 256);
+  test_region(s, (gpu_region){0, 0, 127, SIZE, 2, 0}, 512, 512);
+  test_region(s, (gpu_region){0, SIZE - 1, SIZE - 1, 1, 1, 0}, 0, 256);
 }

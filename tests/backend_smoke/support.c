@@ -73,6 +73,8 @@ static void make_programs(smoke *s) {
   info.cull = GPU_CULL_NONE;
   info.depth_compare = GPU_COMPARE_GREATER;
   s->depth_greater = make_program(s, info);
+  info.depth_compare = GPU_COMPARE_ALWAYS;
+  s->depth_always = make_program(s, info);
   info.depth_compare = GPU_COMPARE_LESS;
   info.depth_clip = true;
   s->depth_clipped = make_program(s, info);
@@ -88,7 +90,7 @@ static void make_programs(smoke *s) {
 static smoke_surface make_surface(smoke *s, const char *name, gpu_format format) {
   const uint32_t usage = GPU_IMAGE_TARGET | GPU_IMAGE_COPY_SOURCE;
   smoke_surface surface = {.format = format};
-  surface.image = make_image(s, (gpu_image_info){name, format, usage, SIZE, SIZE, 1, false});
+  surface.image = make_image(s, (gpu_image_info){name, format, usage, SIZE, SIZE, 1, false, 1});
   surface.target = make_target(s, (gpu_target_info){.name = name, .depth = surface.image});
   return surface;
 }
@@ -101,8 +103,8 @@ static void free_surface(smoke *s, const smoke_surface *surface) {
 void make_objects(smoke *s) {
   make_programs(s);
   const uint32_t all = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED | GPU_IMAGE_COPY_SOURCE;
-  s->map = make_image(s, (gpu_image_info){"map", GPU_FORMAT_D32_FLOAT, all, SIZE, SIZE, LAYERS, true});
-  s->mask = make_image(s, (gpu_image_info){"mask", GPU_FORMAT_R8_UNORM, all, SIZE, SIZE, 1, false});
+  s->map = make_image(s, (gpu_image_info){"map", GPU_FORMAT_D32_FLOAT, all, SIZE, SIZE, LAYERS, true, 1});
+  s->mask = make_image(s, (gpu_image_info){"mask", GPU_FORMAT_R8_UNORM, all, SIZE, SIZE, 1, false, 1});
   s->plain = make_surface(s, "plain", GPU_FORMAT_D32_FLOAT);
   s->plain16 = make_surface(s, "plain 16", GPU_FORMAT_D16_UNORM);
   CHECK(s, s->gpu->image_bytes(s->map) >= (uint64_t)LAYERS * LAYER_BYTES, "too few bytes");
@@ -110,7 +112,7 @@ void make_objects(smoke *s) {
   s->gpu->image_native(s->device, s->map, &native);
   CHECK(s, native.image != 0, "no native handle");
   const bool samplers = native.sampler && native.sampler_reversed && native.sampler != native.sampler_reversed;
-  CHECK(s, samplers == !strcmp(s->gpu->name, "vulkan"), "samplers %llx, %llx", (unsigned long long)native.sampler,
+  CHECK(s, samplers == (s->gpu->api == GPU_API_VULKAN), "samplers %llx, %llx", (unsigned long long)native.sampler,
         (unsigned long long)native.sampler_reversed);
   for (uint32_t i = 0; i < LAYERS; i++)
     s->map_targets[i] = make_target(s, (gpu_target_info){.name = "map layer", .depth = s->map, .depth_layer = i});
@@ -152,9 +154,8 @@ void free_objects(smoke *s) {
   gpu->image_destroy(s->device, NULL);
   gpu->buffer_destroy(s->device, s->geometry);
   gpu->buffer_destroy(s->device, s->staging);
-  gpu_program *programs[] = {s->depth,         s->depth_back,       s->depth_front,
-                             s->depth_greater, s->depth_clipped,    s->depth16,
-                             s->compare,       s->compare_reversed, NULL};
+  gpu_program *programs[] = {s->depth,   s->depth_back,   s->depth_front, s->depth_greater,    s->depth_clipped,
+                             s->depth16, s->depth_always, s->compare,     s->compare_reversed, NULL};
   for (uint32_t i = 0; i < sizeof programs / sizeof *programs; i++)
     gpu->program_destroy(s->device, programs[i]);
 }
@@ -178,25 +179,27 @@ void draw_quads(smoke *s, gpu_buffer *rows, uint32_t first, uint32_t count, uint
 
 void draw_pass(smoke *s, gpu_target *target, gpu_program *program, gpu_buffer *rows, uint32_t first, uint32_t count,
                uint32_t index_size) {
-  s->gpu->pass_begin(s->device, target);
+  s->gpu->pass_begin(s->device, &(gpu_pass_info){.target = target});
   s->gpu->pass_program(s->device, program);
   draw_quads(s, rows, first, count, index_size);
   s->gpu->pass_end(s->device);
 }
 
 void begin(smoke *s, uint32_t slot) {
-  const csm_result result = s->gpu->begin(s->device, &(gpu_record_info){.slot = slot, .first = true});
+  const gpu_record_info info = {.slot = slot, .first = true, .native = smoke_begin(s)};
+  const csm_result result = s->gpu->begin(s->device, &info);
   CHECK(s, result == CSM_SUCCESS, "begin: %d", result);
 }
 
 void end(smoke *s) {
   const csm_result result = s->gpu->end(s->device);
   CHECK(s, result == CSM_SUCCESS, "end: %d", result);
+  smoke_end(s);
 }
 
 void end_and_wait(smoke *s, uint32_t slot) {
   end(s);
-  const csm_result result = s->gpu->wait(s->device, slot);
+  const csm_result result = smoke_wait(s, slot);
   CHECK(s, result == CSM_SUCCESS, "wait: %d", result);
 }
 
@@ -213,7 +216,7 @@ const void *draw_surface(smoke *s, const smoke_surface *surface, gpu_program *pr
   for (uint32_t i = 0; i < count; i++)
     write_rows(rows + i * 12, quads[i]);
   s->gpu->clear_depth(s->device, surface->image, clear);
-  s->gpu->pass_begin(s->device, surface->target);
+  s->gpu->pass_begin(s->device, &(gpu_pass_info){.target = surface->target});
   if (area)
     s->gpu->pass_area(s->device, area);
   s->gpu->pass_program(s->device, program);

@@ -36,7 +36,8 @@ static void cascade_matrices_agree_with_world_to_shadow(void **state) {
     camera_matrices(&camera, view, projection);
     scene_scatter(&scene, &random, camera.eye, 20.0);
     plan_frame frame;
-    assert_int_equal(plan_made(&frame, &config, view, projection, light, &scene.scene, scene.memory, &error),
+    assert_int_equal(plan_made(&frame, &config, &(test_shot){view, projection, camera_reversed(&camera), light},
+                               &scene.scene, scene.memory, &error),
                      CSM_SUCCESS);
     for (uint32_t c = 0; c < frame.cascade_count; ++c) {
       const plan_cascade *cascade = &frame.cascades[c];
@@ -74,12 +75,14 @@ static void check_settings(const float *c, const plan_frame *frame, const csm_co
   assert_true(modes[0] == (float)config->selection && modes[1] == (float)config->out_of_range);
   assert_true(modes[2] == (float)config->blend_mode && modes[3] == (float)config->normal_offset_mode);
   assert_true(options[0] == (float)config->bias_mode && options[1] == (float)config->filter_early_out);
-  assert_true(options[2] == (config->map_reversed ? -1.0f : 1.0f) && options[3] == (config->map_reversed ? 0.0f : 1.0f));
+  assert_true(options[2] == (config->map_reversed ? -1.0f : 1.0f) &&
+              options[3] == (config->map_reversed ? 0.0f : 1.0f));
   assert_true(c[CSM_S_BAND * 4 + 3] == (float)frame->cascades[0].info.near_depth);
 }
 
 /* A point of a cascade's slice, by the plan's matrix and by the constants in floats. */
-static void check_point(const float *c, const plan_frame *frame, uint32_t cascade, const double point[3], double world) {
+static void check_point(const float *c, const plan_frame *frame, uint32_t cascade, const double point[3],
+                        double world) {
   const csm_cascade_info *info = &frame->cascades[cascade].info;
   double relative[3], shadow[3];
   for (int axis = 0; axis < 3; ++axis)
@@ -117,7 +120,8 @@ static void check_cascades(const float *c, const plan_frame *frame, const csm_co
     camera_point(camera, x, y, depth, point);
     for (int axis = 0; axis < 3; ++axis)
       relative[axis] = point[axis] - frame->camera.position[axis];
-    assert_near(row_times(depth_row, relative), depth, row_rounding(depth_row, relative) + 1e-14 * (world + fabs(depth)));
+    assert_near(row_times(depth_row, relative), depth,
+                row_rounding(depth_row, relative) + 1e-14 * (world + fabs(depth)));
     if (k < count)
       check_point(c, frame, k, point, world);
     else
@@ -132,9 +136,9 @@ static void constants_agree_with_the_plan(void **state) {
     const double world = i % 2 ? 1e7 : 10.0;
     const test_camera camera = random_camera(&random, world);
     const csm_config config = random_config(&random);
-    double light[3];
-    random_unit(&random, light);
-    const plan_frame frame = plan_empty(&config, &camera, light);
+    double direction[3];
+    random_unit(&random, direction);
+    const plan_frame frame = plan_empty(&config, &camera, direction);
     float c[CSM_C_COUNT * 4];
     assert_int_equal(plan_write_constants(c, &frame, &config), sizeof c);
     check_settings(c, &frame, &config);
@@ -165,9 +169,10 @@ static void make_mask_case(mask_case *c, random_state *random, double world, boo
   double view[16];
   const char *error = "";
   camera_matrices(&c->camera, view, c->projection);
-  assert_int_equal(plan_camera_make(&c->made, view, c->projection, &error), CSM_SUCCESS);
-  assert_int_equal(plan_write_mask_constants(c->m, &c->frame, &c->made, pixels_wide, pixels_high, true, CSM_VIEW_DENSITY),
-                   sizeof c->m);
+  assert_int_equal(plan_camera_make(&c->made, view, c->projection, camera_reversed(&c->camera), &error), CSM_SUCCESS);
+  const plan_picture picture = {
+      .camera = &c->made, .width = pixels_wide, .height = pixels_high, .show = CSM_SHOW_DENSITY, .unorm_normals = true};
+  assert_int_equal(plan_write_mask_constants(c->m, &c->frame, &picture), sizeof c->m);
 }
 
 /* What a point of the world, at a place of the image and a view depth, is to the mask: x, y, depth. */
@@ -209,7 +214,7 @@ static void mask_constants_lead_back_to_the_world(void **state) {
     mask_case c;
     make_mask_case(&c, &random, world, i % 7 == 0);
     assert_true(c.m[CSM_M_CLEAR * 4] == (c.camera.reversed ? 0.0f : 1.0f));
-    assert_true(c.m[CSM_M_CLEAR * 4 + 1] == CSM_VIEW_DENSITY);
+    assert_true(c.m[CSM_M_CLEAR * 4 + 1] == CSM_SHOW_DENSITY);
     assert_true(c.m[CSM_M_SIZE * 4] == pixels_wide && c.m[CSM_M_SIZE * 4 + 1] == pixels_high);
     assert_true(c.m[CSM_M_SIZE * 4 + 2] == 1.0f / pixels_wide && c.m[CSM_M_SIZE * 4 + 3] == 1.0f / pixels_high);
     /* 8 bits hold -1 to 1 as 0 to 1 */
@@ -234,7 +239,8 @@ static void planes_on_screen_lead_back_to_normals(void **state) {
     if (c.camera.far < depth + 2.0 || c.camera.near < 0.01 * depth)
       continue; /* floats of the depth say too little there */
     for (int p = 0; p < 3; ++p)
-      pixel_of(&c, p == 1 ? 0.3 : -0.1, p == 2 ? 0.4 : -0.2, depth + random_between(&random, -1.0, 1.0), points[p], pixels[p]);
+      pixel_of(&c, p == 1 ? 0.3 : -0.1, p == 2 ? 0.4 : -0.2, depth + random_between(&random, -1.0, 1.0), points[p],
+               pixels[p]);
     for (int p = 0; p < 2; ++p)
       for (int k = 0; k < 3; ++k)
         sides[p][k] = points[p + 1][k] - points[0][k];
@@ -276,7 +282,7 @@ static void view_matrices_agree_with_the_camera(void **state) {
     plan_camera made;
     plan_list list;
     const char *error = "";
-    assert_int_equal(plan_camera_make(&made, view, projection, &error), CSM_SUCCESS);
+    assert_int_equal(plan_camera_make(&made, view, projection, camera_reversed(&camera), &error), CSM_SUCCESS);
     plan_view_make(&list, &made, &scene.scene, scene.memory);
     plan_write_view_matrices(matrices, &list, &made, &scene.scene);
     for (uint32_t k = 0; k < list.instance_count; ++k) {
@@ -314,7 +320,9 @@ static uint64_t hash_of(const hashed *in, const test_scene *scene) {
   const char *error = "";
   plan_frame frame;
   camera_matrices(&in->camera, view, projection);
-  assert_int_equal(plan_made(&frame, &in->config, view, projection, in->light, &scene->scene, scene->memory, &error),
+  assert_int_equal(plan_made(&frame, &in->config,
+                             &(test_shot){view, projection, camera_reversed(&in->camera), in->light}, &scene->scene,
+                             scene->memory, &error),
                    CSM_SUCCESS);
   return plan_hash(&frame, &in->config, &scene->scene);
 }
