@@ -14,10 +14,11 @@
 #include "forward_glsl_2.h"
 #include "forward_glsl_3.h"
 #include "forward_glsl_4.h"
-#include "loader.h"
-#include "passes/passes.h"
+#include "abi/loader.h"
 #include "plan/plan.h"
 #include "shader_code.h"
+#include "techniques/draw_list.h"
+#include "techniques/mask/mask_programs.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -68,12 +69,13 @@ enum {
   GEOMETRY_BYTES = 1024,
   AT_PLANE = GEOMETRY_BYTES,
   AT_BLOCKS = AT_PLANE + 256,
-  AT_VIEW = AT_BLOCKS + MASK_BLOCKS,
+  AT_VIEW = AT_BLOCKS + MASK_CASCADES_BLOCK + MASK_CAMERA_BLOCK,
   AT_MATRICES = AT_VIEW + 4096,
   MATRICES_BYTES = 4096,
   UPLOAD_BYTES = AT_MATRICES + CASCADES * MATRICES_BYTES,
 };
-_Static_assert((BOXES + 1) * PASS_CAMERA_ROWS * 16 <= 4096, "matrices fit");
+enum { MAP_ROWS = 3, CAMERA_ROWS = 4 }; /* float4 rows for each instance */
+_Static_assert((BOXES + 1) * CAMERA_ROWS * 16 <= 4096, "matrices fit");
 /* and in the geometry */
 enum { AT_BOX = 64, AT_SQUARE_INDICES = 256, AT_BOX_INDICES = 512 };
 
@@ -89,17 +91,16 @@ static const uint16_t box_indices[36] = {0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 
                                          3, 7, 6, 3, 6, 2, 0, 4, 7, 0, 7, 3, 1, 2, 6, 1, 6, 5};
 
 typedef struct bench {
-  pass_gpu gpu;
+  gpu gpu;
   uint32_t failures;
   gpu_buffer *upload, *geometry, *readback;
   gpu_image *maps, *depth, *pictures[PICTURES];
   gpu_target *map_targets[CASCADES], *depth_target, *picture_targets[PICTURES];
-  pass_casters casters;
-  plan_layout layout;
   gpu_program *cascade_depth, *camera_depth, *mask[2][FILTERS], *forward[READERS];
   bool fixed, points; /* the plan is one that the shaders of that kind are made for */
   gpu_bindings *mask_bindings, *forward_bindings[READERS];
   plan_instance instances[BOXES + 1];
+  plan_box boxes[BOXES + 1];
   plan_scene scene;
   plan_frame frame;
   plan_list view;
@@ -142,7 +143,17 @@ static void make_scene(bench *b) {
     const double at[3] = {between(&random, -25, 15), between(&random, 10, 16), between(&random, -50, 0)};
     b->instances[i] = place(1, at, between(&random, 0.1, 1.5), between(&random, 0.1, 1.0), between(&random, 0.1, 1.5));
   }
-  b->scene = (plan_scene){b->instances, BOXES + 1, bounds, 2};
+  for (uint32_t i = 0; i <= BOXES; ++i) {
+    check(b, plan_instance_check(&b->instances[i]) == CSM_SUCCESS, "instances are sound");
+    plan_instance_box(&b->boxes[i], &b->instances[i], &bounds[b->instances[i].mesh]);
+  }
+  b->scene = (plan_scene){.instances = b->instances,
+                          .boxes = b->boxes,
+                          .slot_count = BOXES + 1,
+                          .caster_count = BOXES + 1,
+                          .receiver_count = BOXES + 1,
+                          .meshes = bounds,
+                          .mesh_count = 2};
 }
 
 /* Looks along -z, 35 degrees down; reversed-Z, without a far plane. */
@@ -200,16 +211,14 @@ static csm_config make_config(uint32_t filter, uint32_t bias_mode, bool sloped) 
 
 /* What the fixed shaders were made with is what is asked for. */
 static void check_defines(bench *b, const csm_config *config) {
-  char text[1024] = "untouched";
-  size_t size = sizeof fixed_defines - 1;
+  char text[sizeof fixed_defines + 8] = "";
   b->fixed = false;
   if (config->filter != CSM_FILTER_PCF_3X3 || config->bias_mode != CSM_BIAS_RECEIVER_PLANE)
     return;
-  check(b, plan_shader_defines(config, text, &size) == CSM_ERROR_LIMIT_EXCEEDED && !strcmp(text, "untouched"),
-        "defines that do not fit are not written");
-  check(b, size == sizeof fixed_defines, "their size is told");
-  check(b, plan_shader_defines(config, text, &size) == CSM_SUCCESS && !strcmp(text, fixed_defines), "defines are as expected");
-  check(b, plan_shader_defines(config, NULL, &size) == CSM_SUCCESS && size == sizeof fixed_defines, "their size can be asked");
+  check(b, plan_shader_defines(config, NULL, 0) == sizeof fixed_defines, "the defines' size can be asked");
+  check(b, plan_shader_defines(config, text, 9) == sizeof fixed_defines && !strcmp(text, "#define "), "no more is written");
+  check(b, plan_shader_defines(config, text, sizeof text) == sizeof fixed_defines && !strcmp(text, fixed_defines),
+        "the defines are those that the fixed shaders were made with");
   b->fixed = true;
 }
 
@@ -232,8 +241,8 @@ static bool make_plan(bench *b, const csm_config *config) {
   char *upload = b->gpu.api->buffer_memory(b->upload);
   write_plane((float *)(upload + AT_PLANE), view, projection);
   plan_write_constants((float *)(upload + AT_BLOCKS), &b->frame, config);
-  plan_write_mask_constants((float *)(upload + AT_BLOCKS + MASK_CASCADES_BLOCK), &b->frame, &b->frame.camera, WIDTH,
-                            HEIGHT, false, CSM_VIEW_SHADOW);
+  plan_write_mask_constants((float *)(upload + AT_BLOCKS + MASK_CASCADES_BLOCK), &b->frame,
+                            &(plan_picture){.camera = &b->frame.camera, .width = WIDTH, .height = HEIGHT});
   plan_write_view_matrices((float *)(upload + AT_VIEW), &b->view, &b->frame.camera, &b->scene);
   for (uint32_t i = 0; i < CASCADES; ++i)
     plan_write_cascade_matrices((float *)(upload + AT_MATRICES + i * MATRICES_BYTES), &b->frame, i, &b->scene);
@@ -322,26 +331,33 @@ static csm_result make_forward(bench *b, uint32_t reader, gpu_program **out) {
 
 static csm_result make_mask(bench *b, uint32_t filter, uint32_t bias) {
   const csm_config config = make_config(filter, bias, true);
-  return mask_program(b->gpu, mask_key(&config, false, CSM_VIEW_SHADOW), false, &b->mask[bias][filter]);
+  return mask_program_create(b->gpu, &config, false, false, &b->mask[bias][filter]);
 }
 
 static csm_result make_programs(bench *b) {
-  csm_config config = {.struct_size = sizeof config};
-  plan_config_default(&config);
-  config.cascade_count = CASCADES;
-  config.resolution = RESOLUTION;
-  b->casters = cascade_depth_casters(&config);
-  plan_layout_make(&b->layout, &config);
-  csm_result result =
-      cascade_depth_program(b->gpu, &b->casters, GPU_CULL_NONE, (pass_vertices){.stride = 12}, &b->cascade_depth);
+  const draw_list_kind maps = {.name = "cascade depth",
+                               .vertex = shader_cascade_depth_vs,
+                               .rows = MAP_ROWS,
+                               .format = GPU_FORMAT_D32_FLOAT,
+                               .compare = GPU_COMPARE_LESS};
+  const draw_list_kind camera = {.name = "camera depth",
+                                 .vertex = shader_camera_depth_vs,
+                                 .rows = CAMERA_ROWS,
+                                 .format = GPU_FORMAT_D32_FLOAT,
+                                 .compare = GPU_COMPARE_GREATER,
+                                 .clip = true};
+  csm_result result = draw_list_program(b->gpu, &maps, (mesh_vertices){.stride = 12}, &b->cascade_depth);
   if (!result)
-    result = camera_depth_program(b->gpu, true, (pass_vertices){.stride = 12}, &b->camera_depth);
+    result = draw_list_program(b->gpu, &camera, (mesh_vertices){.stride = 12}, &b->camera_depth);
   for (uint32_t filter = 0; filter < FILTERS && !result; ++filter)
     for (uint32_t bias = 0; bias < 2 && !result; ++bias)
       if (!bias || filter != CSM_FILTER_LINEAR_DEPTH)
         result = make_mask(b, filter, bias);
   if (!result) {
-    const gpu_bindings_info inputs = mask_inputs(b->mask[0][0], b->upload, b->maps, b->depth, NULL);
+    const gpu_bindings_info inputs = {.name = "mask",
+                                      .program = b->mask[0][0],
+                                      .constants = {b->upload, b->upload},
+                                      .textures = {b->maps, b->depth}};
     result = b->gpu.api->bindings_create(b->gpu.device, &inputs, &b->mask_bindings);
   }
   for (uint32_t reader = 0; reader < READERS && !result; ++reader)
@@ -378,28 +394,26 @@ static void free_objects(bench *b) {
 
 /* ---- drawing ---- */
 
-static void record_forward(bench *b, uint32_t reader) {
-  const gpu_backend *api = b->gpu.api;
-  if (!b->forward[reader])
-    return;
-  api->pass_begin(b->gpu.device,
-                  &(gpu_pass_info){.target = b->picture_targets[1 + reader], .color_load = GPU_LOAD_DISCARD});
-  api->pass_program(b->gpu.device, b->forward[reader]);
-  api->pass_bind(b->gpu.device, b->forward_bindings[reader], (const uint32_t[]){AT_BLOCKS, AT_PLANE});
-  api->pass_draw(b->gpu.device, &(gpu_draw){.count = 3, .instance_count = 1});
-  api->pass_end(b->gpu.device);
-  api->copy_image(b->gpu.device, b->readback, (uint64_t)(1 + reader) * PIXELS, WIDTH, b->pictures[1 + reader],
-                  &(gpu_region){.width = WIDTH, .height = HEIGHT});
+/* A pass over the whole of a picture, which is then read back. */
+static void record_picture(bench *b, uint32_t picture, gpu_program *program, gpu_bindings *bindings, uint32_t second) {
+  const gpu gpu = b->gpu;
+  gpu_pass_begin(gpu, &(gpu_pass_info){.target = b->picture_targets[picture], .color_load = GPU_LOAD_DISCARD});
+  gpu_pass_program(gpu, program);
+  gpu_pass_bind(gpu, bindings, (const uint32_t[]){AT_BLOCKS, second});
+  gpu_pass_draw(gpu, &(gpu_draw){.count = 3, .instance_count = 1});
+  gpu_pass_end(gpu);
+  gpu_copy_image(gpu, b->readback, (uint64_t)picture * PIXELS, WIDTH, b->pictures[picture],
+                 &(gpu_region){.width = WIDTH, .height = HEIGHT});
 }
 
-static csm_result draw(bench *b, uint32_t filter, uint32_t bias_mode) {
-  const gpu_backend *api = b->gpu.api;
-  gpu_device *device = b->gpu.device;
-  const csm_result result = api->begin(device, &(gpu_record_info){.slot = 0, .first = true});
-  if (result)
-    return result;
-  api->copy_buffer(device, b->geometry, 0, b->upload, AT_GEOMETRY, GEOMETRY_BYTES);
-  const pass_mesh meshes[2] = {
+static void record_list(bench *b, gpu_target *target, float clear, const draw_list_info *list) {
+  gpu_pass_begin(b->gpu, &(gpu_pass_info){.target = target, .depth_load = GPU_LOAD_CLEAR, .clear_depth = clear});
+  draw_list(b->gpu, list);
+  gpu_pass_end(b->gpu);
+}
+
+static void record_depths(bench *b) {
+  const mesh_place meshes[2] = {
       {.vertices = b->geometry,
        .indices = b->geometry,
        .index_offset = AT_SQUARE_INDICES,
@@ -412,34 +426,33 @@ static csm_result draw(bench *b, uint32_t filter, uint32_t bias_mode) {
        .index_count = 36,
        .index_size = 2},
   };
-  cascade_depth_pass maps = {.casters = &b->casters,
-                             .programs = {&b->cascade_depth},
-                             .layout = &b->layout,
-                             .maps = b->maps,
-                             .targets = b->map_targets,
-                             .plan = &b->frame,
-                             .meshes = meshes,
-                             .matrices = b->upload};
-  for (uint32_t i = 0; i < CASCADES; ++i)
-    maps.matrices_offsets[i] = AT_MATRICES + i * MATRICES_BYTES;
-  cascade_depth_record(b->gpu, &maps);
-  camera_depth_record(b->gpu, &(camera_depth_pass){.programs = &b->camera_depth,
-                                                   .depth = b->depth,
-                                                   .target = b->depth_target,
-                                                   .reversed = true,
-                                                   .list = &b->view,
-                                                   .meshes = meshes,
-                                                   .matrices = b->upload,
-                                                   .matrices_offset = AT_VIEW});
-  mask_record(b->gpu, &(mask_pass){.program = b->mask[bias_mode][filter],
-                                   .bindings = b->mask_bindings,
-                                   .target = b->picture_targets[0],
-                                   .constants_offset = AT_BLOCKS});
-  api->copy_image(device, b->readback, 0, WIDTH, b->pictures[0], &(gpu_region){.width = WIDTH, .height = HEIGHT});
+  draw_list_info list = {.programs = {&b->cascade_depth}, .meshes = meshes, .matrices = b->upload, .rows = MAP_ROWS};
+  for (uint32_t i = 0; i < CASCADES; ++i) {
+    list.list = &b->frame.cascades[i].list;
+    list.offset = AT_MATRICES + i * MATRICES_BYTES;
+    record_list(b, b->map_targets[i], 1.0f, &list);
+  }
+  list.programs[0] = &b->camera_depth;
+  list.list = &b->view;
+  list.offset = AT_VIEW;
+  list.rows = CAMERA_ROWS;
+  record_list(b, b->depth_target, 0.0f, &list);
+  gpu_make_readable(b->gpu, b->maps, NULL);
+  gpu_make_readable(b->gpu, b->depth, NULL);
+}
+
+static csm_result draw(bench *b, uint32_t filter, uint32_t bias_mode) {
+  const csm_result result = gpu_begin(b->gpu, &(gpu_record_info){.slot = 0, .first = true});
+  if (result)
+    return result;
+  gpu_copy_buffer(b->gpu, b->geometry, 0, b->upload, AT_GEOMETRY, GEOMETRY_BYTES);
+  record_depths(b);
+  record_picture(b, 0, b->mask[bias_mode][filter], b->mask_bindings, AT_BLOCKS + MASK_CASCADES_BLOCK);
   for (uint32_t reader = 0; reader < READERS; ++reader)
-    record_forward(b, reader);
-  const csm_result ended = api->end(device);
-  return ended ? ended : api->wait(device, 0);
+    if (b->forward[reader])
+      record_picture(b, 1 + reader, b->forward[reader], b->forward_bindings[reader], AT_PLANE);
+  const csm_result ended = gpu_end(b->gpu);
+  return ended ? ended : gpu_wait(b->gpu, 0);
 }
 
 /* ---- comparing ---- */

@@ -42,8 +42,17 @@ static csm_result make(gpu gpu, const void *about, gpu_program **out) {
   return gpu_program_create(gpu, &info, out);
 }
 
+static mask_key key_of(const csm_config *config, bool normals, bool shows) {
+  return (mask_key){.variant = shows ? 0 : variant_of(config, normals), .normals = normals && !shows};
+}
+
+csm_result mask_program_create(gpu gpu, const csm_config *config, bool normals, bool shows, gpu_program **out) {
+  const mask_key key = key_of(config, normals, shows);
+  return make(gpu, &key, out);
+}
+
 csm_result mask_program(device *device, const csm_config *config, bool normals, bool shows, gpu_program **out) {
-  const mask_key about = {.variant = shows ? 0 : variant_of(config, normals), .normals = normals && !shows};
+  const mask_key about = key_of(config, normals, shows);
   const program_key key = {.make = make, .name = "a mask program", .about = &about, .size = sizeof about};
   return programs_find(device, &key, out);
 }
