@@ -1,6 +1,6 @@
 #include "report/sweep.h"
 #include "base/host.h"
-#include "plan/plan.h"
+#include "plan.h"
 #include "setup/config_json.h"
 #include "stage/compare.h"
 #include <inttypes.h>

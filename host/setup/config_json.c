@@ -99,16 +99,12 @@ int config_load(csm_config *out, const char *preset, const char *path, double sh
   *out = (csm_config){.struct_size = sizeof *out};
   csm_config_default(out);
   out->shadow_distance = shadow_distance;
-  int code = 0;
-  if (preset) {
-    json_t *config = preset_config(preset);
-    code = config_read(out, "--preset", config);
-    json_decref(config);
-  }
-  if (code || !path)
-    return code;
+  if (preset)
+    preset_config(out, preset, shadow_distance);
+  if (!path)
+    return 0;
   json_t *root = json_file_load("--config", path);
-  code = root ? config_read(out, "--config", root) : HOST_BAD_INPUT;
+  const int code = root ? config_read(out, "--config", root) : HOST_BAD_INPUT;
   json_decref(root);
   return code;
 }

@@ -1,12 +1,16 @@
 #include "setup/presets.h"
 #include "base/host.h"
-#include "setup/preset_texts.h"
+#include <stdbool.h>
 #include <string.h>
 
-#define PRESET_COUNT (sizeof preset_texts / sizeof preset_texts[0] - 1)
+static bool describe(uint32_t index, csm_preset_info *info) {
+  *info = (csm_preset_info){.struct_size = sizeof *info};
+  return csm_config_preset_describe(index, info) == CSM_SUCCESS;
+}
 
 const char *preset_name(uint32_t index) {
-  return index < PRESET_COUNT ? preset_texts[index].name : NULL;
+  csm_preset_info info;
+  return describe(index, &info) ? info.name : NULL;
 }
 
 const char *preset_find(const char *option, const char *name) {
@@ -22,25 +26,28 @@ const char *preset_find(const char *option, const char *name) {
   return NULL;
 }
 
-json_t *preset_load(uint32_t index) {
-  return json_loads(preset_texts[index].text, JSON_REJECT_DUPLICATES, NULL);
-}
-
-json_t *preset_config(const char *name) {
+void preset_config(csm_config *out, const char *name, double shadow_distance) {
+  csm_preset_info info;
   uint32_t index = 0;
-  while (strcmp(preset_name(index), name) != 0)
+  while (describe(index, &info) && strcmp(info.name, name) != 0)
     index++;
-  json_t *preset = preset_load(index), *config = json_incref(json_object_get(preset, "config"));
-  json_decref(preset);
-  return config;
+  *out = (csm_config){.struct_size = sizeof *out};
+  csm_config_preset(name, out);
+  if (!(info.flags & CSM_PRESET_SHADOW_DISTANCE))
+    out->shadow_distance = shadow_distance;
 }
 
 json_t *presets_to_json(void) {
   json_t *all = json_object();
-  for (uint32_t i = 0; preset_name(i); i++) {
-    json_t *preset = preset_load(i);
-    json_object_del(preset, "config");
-    json_object_set_new(all, preset_name(i), preset);
+  csm_preset_info info;
+  for (uint32_t i = 0; describe(i, &info); i++) {
+    json_t *preset = json_object(), *notes = json_array();
+    for (uint32_t k = 0; info.notes[k]; k++)
+      json_array_append_new(notes, json_string(info.notes[k]));
+    json_object_set_new(preset, "about", json_string(info.about));
+    json_object_set_new(preset, "read_in", json_string(info.read_in));
+    json_object_set_new(preset, "notes", notes);
+    json_object_set_new(all, info.name, preset);
   }
   return all;
 }

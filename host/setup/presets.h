@@ -1,10 +1,9 @@
-/* setup/presets.h: configurations by name: csm's own, and those of other systems. They are files of presets/, embedded.
- */
+/* setup/presets.h: the library's presets, for the command line. */
 #ifndef HOST_PRESETS_H
 #define HOST_PRESETS_H
 
+#include "csm/csm.h"
 #include <jansson.h>
-#include <stdint.h>
 
 /* Static text; NULL past the last one. */
 const char *preset_name(uint32_t index);
@@ -15,10 +14,8 @@ const char *preset_name(uint32_t index);
  */
 const char *preset_find(const char *option, const char *name);
 
-/* A preset's document: "about", "read_in", "notes", and "config", whose keys are csm_config's. A new object. */
-json_t *preset_load(uint32_t index);
-/* The configuration of a preset that preset_find has found. A new object. */
-json_t *preset_config(const char *name);
+/* The configuration of a preset that preset_find has found, with the scene's shadow distance where it says none. */
+void preset_config(csm_config *out, const char *name, double shadow_distance);
 
 /* All there are, by name, without their configurations. A new object. */
 json_t *presets_to_json(void);

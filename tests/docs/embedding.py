@@ -80,7 +80,7 @@ def said(*lines):
 
 for part in parts:
     compile_part(part)
-assert len(parts) == 3 and set(packages) <= set(files), (len(parts), sorted(files))
+assert len(parts) == 4 and set(packages) <= set(files), (len(parts), sorted(files))
 with tempfile.TemporaryDirectory() as scratch:
     folder = pathlib.Path(scratch)
     for name, body in files.items():

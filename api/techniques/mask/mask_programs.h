@@ -1,0 +1,14 @@
+/* mask_programs.h: which program draws a mask. */
+#ifndef TECHNIQUES_MASK_PROGRAMS_H
+#define TECHNIQUES_MASK_PROGRAMS_H
+
+#include "device/device.h"
+
+/* Bytes of the constants that a mask's program sees: the cascades' two blocks, and its camera's. */
+enum { MASK_CASCADES_BLOCK = 1024, MASK_CAMERA_BLOCK = 256 };
+
+/* The program for a configuration, made if it is the device's first. `normals`: the engine's. `shows`: something else
+   than visibility. */
+csm_result mask_program(device *device, const csm_config *config, bool normals, bool shows, gpu_program **out);
+
+#endif
