@@ -61,39 +61,36 @@ static void print_cascades(FILE *to, const run *r) {
   fputc('\n', to);
   for (uint32_t k = 0; k < binding->cascade_count; k++) {
     const csm_cascade_info *cascade = &binding->cascades[k];
-    const csm_cascade_stats *stats = &r->frames[0].stats.cascades[k];
+    const csm_cascade_stats *stats = &r->frames[0].stats.maps.cascades[k];
     fprintf(to, "  %7u %9.2f..%-9.2f %8.4f %9.1f %7u %7u", k, cascade->near_depth, cascade->far_depth,
             cascade->texel_size, cascade->depth_range, stats->casters_drawn, stats->casters_culled);
     for (uint32_t i = 0; i < r->count; i++)
-      fprintf(to, " %13.2f", r->frames[i].stats.cascades[k].gpu_ms);
+      fprintf(to, " %13.2f", r->frames[i].stats.maps.cascades[k].gpu_ms);
     fputc('\n', to);
   }
 }
 
-static void print_row(FILE *to, const run *r, const char *name, double (*value)(const csm_stats *)) {
+static void print_row(FILE *to, const run *r, const char *name, double (*value)(const stage_stats *)) {
   fprintf(to, "  %-56s", name);
   for (uint32_t i = 0; i < r->count; i++)
     fprintf(to, " %13.2f", value(&r->frames[i].stats));
   fputc('\n', to);
 }
 
-static double clear_ms(const csm_stats *stats) {
-  return stats->clear_gpu_ms;
+static double clear_ms(const stage_stats *stats) {
+  return stats->maps.clear_gpu_ms;
 }
-static double camera_ms(const csm_stats *stats) {
-  return stats->camera_depth_gpu_ms;
+static double camera_ms(const stage_stats *stats) {
+  return stats->mask.camera_depth_gpu_ms;
 }
-static double mask_ms(const csm_stats *stats) {
-  return stats->mask_gpu_ms;
+static double total_ms(const stage_stats *stats) {
+  return stage_maps_ms(stats) + stage_view_ms(stats);
 }
-static double total_ms(const csm_stats *stats) {
-  return stage_depth_ms(stats) + stats->camera_depth_gpu_ms + stats->mask_gpu_ms;
+static double plan_ms(const stage_stats *stats) {
+  return stats->maps.plan_ms;
 }
-static double plan_ms(const csm_stats *stats) {
-  return stats->plan_ms;
-}
-static double record_ms(const csm_stats *stats) {
-  return stats->record_ms;
+static double record_ms(const stage_stats *stats) {
+  return stats->maps.record_ms;
 }
 
 static void print_table(FILE *to, const run *r) {
@@ -106,9 +103,9 @@ static void print_table(FILE *to, const run *r) {
     fprintf(to, "  %-8s %s; %s\n", r->stages[i].backend, r->stages[i].device, r->stages[i].driver);
   print_cascades(to, r);
   print_row(to, r, "clear, GPU", clear_ms);
-  print_row(to, r, "all maps, GPU", stage_depth_ms);
+  print_row(to, r, "all maps, GPU", stage_maps_ms);
   print_row(to, r, "camera depth, GPU", camera_ms);
-  print_row(to, r, "mask, GPU", mask_ms);
+  print_row(to, r, "mask, GPU", stage_mask_ms);
   print_row(to, r, "total, GPU", total_ms);
   print_row(to, r, "plan, CPU", plan_ms);
   print_row(to, r, "record and submit, CPU", record_ms);
@@ -120,7 +117,7 @@ static void print_table(FILE *to, const run *r) {
 static uint64_t map_bytes(const run *r) {
   uint64_t bytes = 0;
   for (uint32_t i = 0; i < r->count; i++)
-    bytes += r->frames[i].stats.map_bytes;
+    bytes += r->frames[i].stats.maps.map_bytes;
   return bytes;
 }
 
@@ -146,7 +143,7 @@ static json_t *cascade_to_json(const csm_cascade_info *info, const csm_cascade_s
 }
 
 static json_t *backend_to_json(const stage *s, const stage_frame *frame) {
-  const csm_stats *stats = &frame->stats;
+  const csm_stats *stats = &frame->stats.maps;
   json_t *object = json_object(), *cascades = json_array();
   char hash[32];
   snprintf(hash, sizeof hash, "%016" PRIx64, stats->plan_hash);
@@ -159,12 +156,12 @@ static json_t *backend_to_json(const stage *s, const stage_frame *frame) {
   json_object_set_new(object, "plan_ms", json_real(stats->plan_ms));
   json_object_set_new(object, "record_ms", json_real(stats->record_ms));
   json_object_set_new(object, "clear_gpu_ms", json_real(stats->clear_gpu_ms));
-  json_object_set_new(object, "maps_gpu_ms", json_real(stage_depth_ms(stats)));
-  json_object_set_new(object, "camera_depth_gpu_ms", json_real(stats->camera_depth_gpu_ms));
-  json_object_set_new(object, "mask_gpu_ms", json_real(stats->mask_gpu_ms));
-  json_object_set_new(object, "total_gpu_ms", json_real(total_ms(stats)));
+  json_object_set_new(object, "maps_gpu_ms", json_real(stage_maps_ms(&frame->stats)));
+  json_object_set_new(object, "camera_depth_gpu_ms", json_real(camera_ms(&frame->stats)));
+  json_object_set_new(object, "mask_gpu_ms", json_real(stage_mask_ms(&frame->stats)));
+  json_object_set_new(object, "total_gpu_ms", json_real(total_ms(&frame->stats)));
   json_object_set_new(object, "map_bytes", json_integer((json_int_t)stats->map_bytes));
-  json_object_set_new(object, "mask_bytes", json_integer((json_int_t)stats->mask_bytes));
+  json_object_set_new(object, "view_bytes", json_integer((json_int_t)frame->stats.mask.bytes));
   json_object_set_new(object, "geometry_bytes", json_integer((json_int_t)stats->geometry_bytes));
   json_object_set_new(object, "frame_bytes", json_integer((json_int_t)stats->frame_bytes));
   json_object_set_new(object, "cascades", cascades);
@@ -231,9 +228,9 @@ static int save_frame(const run *r, const picture_view *view, const stage_frame 
     else if (i == 1)
       picture_mask(&picture, view, frame->mask);
     else if (i == 2)
-      picture_cascades(&picture, view, frame->mask, frame->views[CSM_VIEW_CASCADE - 1]);
+      picture_cascades(&picture, view, frame->mask, frame->views[CSM_SHOW_CASCADE - 1]);
     else if (i == 3)
-      picture_density(&picture, view, frame->views[CSM_VIEW_DENSITY - 1]);
+      picture_density(&picture, view, frame->views[CSM_SHOW_DENSITY - 1]);
     else
       picture_maps(&picture, (const float *const *)frame->maps, frame->binding.cascade_count,
                    frame->binding.resolutions, r->setup.config.map_reversed);

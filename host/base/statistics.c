@@ -1,6 +1,8 @@
 #include "base/statistics.h"
+#include "base/host.h"
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 static int compare_doubles(const void *a, const void *b) {
   const double x = *(const double *)a, y = *(const double *)b;
@@ -21,12 +23,27 @@ static uint32_t outside(uint32_t count) {
   return count / 2;
 }
 
-estimate estimate_median(double *samples, uint32_t count) {
+/* Releases the samples. */
+static estimate take(double *samples, uint32_t count) {
   qsort(samples, count, sizeof *samples, compare_doubles);
   const uint32_t rank = outside(count), first = rank > 0 ? rank - 1 : 0;
-  return (estimate){.median = 0.5 * (samples[(count - 1) / 2] + samples[count / 2]),
-                    .low = samples[first],
-                    .high = samples[count - 1 - first]};
+  const estimate result = {.median = 0.5 * (samples[(count - 1) / 2] + samples[count / 2]),
+                           .low = samples[first],
+                           .high = samples[count - 1 - first]};
+  free(samples);
+  return result;
+}
+
+estimate estimate_median(const double *samples, uint32_t count) {
+  double *own = host_allocate(count, sizeof *own);
+  return take(memcpy(own, samples, count * sizeof *own), count);
+}
+
+estimate estimate_ratio(const double *top, const double *bottom, uint32_t count) {
+  double *ratios = host_allocate(count, sizeof *ratios);
+  for (uint32_t i = 0; i < count; i++)
+    ratios[i] = top[i] / bottom[i];
+  return take(ratios, count);
 }
 
 json_t *estimate_to_json(const estimate *value) {

@@ -11,8 +11,10 @@ typedef struct estimate {
                        6 samples or more; else all of them */
 } estimate;
 
-/* Order statistics: no assumption on how the samples are spread. Sorts them. Precondition: count > 0. */
-estimate estimate_median(double *samples, uint32_t count);
+/* Order statistics: no assumption on how the samples are spread. Precondition: count > 0. */
+estimate estimate_median(const double *samples, uint32_t count);
+/* Of the ratios of samples that were taken in the same round. */
+estimate estimate_ratio(const double *top, const double *bottom, uint32_t count);
 
 json_t *estimate_to_json(const estimate *value);
 

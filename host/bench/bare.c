@@ -13,17 +13,20 @@ static const double loop_limit = 0.4;
 
 static int open_with(bare_mask **out, const stage_frame *frame, const host_setup *setup, const bench_plan *plan,
                      const char *device) {
+  const csm_binding *binding = &frame->binding;
   char error[512] = "";
-  float camera[CSM_M_COUNT * 4];
+  float camera[CSM_M_COUNT * 4], blocks[CSM_C_COUNT * 4] = {0};
+  memcpy(blocks, binding->cascade_constants, binding->cascade_constants_size);
+  memcpy(blocks + 4 * CSM_S_BEGIN, binding->setting_constants, binding->setting_constants_size);
   plan_write_mask_constants(camera, &plan->frame, &plan->frame.camera, setup->width, setup->height, false,
-                            CSM_VIEW_SHADOW);
+                            CSM_SHOW_VISIBILITY);
   const bare_mask_info info = {.width = setup->width,
                                .height = setup->height,
-                               .resolution = frame->binding.resolution,
-                               .cascade_count = frame->binding.cascade_count,
+                               .resolution = binding->resolutions[0],
+                               .cascade_count = binding->cascade_count,
                                .camera_depth = frame->camera_depth,
                                .maps = frame->maps,
-                               .cascades = frame->binding.constants,
+                               .cascades = blocks,
                                .camera = camera,
                                .device = device};
   return bare_mask_open(out, &info, error, sizeof error) ? host_fail(HOST_NO_DEVICE, "%s", error) : 0;
@@ -31,7 +34,7 @@ static int open_with(bare_mask **out, const stage_frame *frame, const host_setup
 
 int bench_bare_open(bare_mask **out, stage *s, const csm_config *config, const bench_plan *plan, const char *device) {
   stage_frame frame = {0};
-  csm_stats stats;
+  stage_stats stats;
   *out = NULL;
   csm_config plain = *config;
   plain.map_layout = CSM_LAYOUT_ARRAY;
@@ -78,15 +81,6 @@ static int compare_masks(bench_bare *out, bare_mask *mask) {
   return code ? host_fail(code, "the bare mask: a frame failed") : 0;
 }
 
-static estimate ratio(const double *top, const double *bottom, uint32_t pairs) {
-  double *samples = host_allocate(pairs, sizeof *samples);
-  for (uint32_t i = 0; i < pairs; i++)
-    samples[i] = top[i] / bottom[i];
-  const estimate result = estimate_median(samples, pairs);
-  free(samples);
-  return result;
-}
-
 int bench_bare_run(bench_bare *out, stage *s, const csm_config *config, const bench_plan *plan, const char *device,
                    uint32_t pairs) {
   csm_config seven = *config;
@@ -107,8 +101,8 @@ int bench_bare_run(bench_bare *out, stage *s, const csm_config *config, const be
     code = compare_masks(out, mask);
   if (code == 0) {
     out->pairs = pairs;
-    out->set_up_to_floor = ratio(samples[BARE_SET_UP], samples[BARE_FLOOR], pairs);
-    out->pcf_to_loop = ratio(samples[BARE_PCF_7X7], samples[BARE_LOOP_49], pairs);
+    out->set_up_to_floor = estimate_ratio(samples[BARE_SET_UP], samples[BARE_FLOOR], pairs);
+    out->pcf_to_loop = estimate_ratio(samples[BARE_PCF_7X7], samples[BARE_LOOP_49], pairs);
     for (int i = 0; i < BARE_PASSES; i++)
       out->ms[i] = estimate_median(samples[i], pairs);
   }

@@ -20,6 +20,8 @@
 #define WARM_UP 3u
 #define MANY_INSTANCES 10000u
 #define SWITCH_ROUNDS 7u
+#define ENGINE_ROUNDS 201u
+#define QUICK_ROUNDS 31u
 #define BENCH_TABLES 3
 #define MAX_CONTENDERS (HOST_BACKENDS + 1)
 
@@ -42,7 +44,7 @@ typedef struct bench {
   uint32_t pairs;
   estimate many_plan; /* planning MANY_INSTANCES */
   bench_switch switching;
-  bench_engine engine; /* drawing them on an engine's Vulkan device; no frames: not measured */
+  bench_engine engine; /* drawing them on an engine's Vulkan device */
   bench_bare bare;
   bench_rows rows[BENCH_TABLES]; /* as many as were wanted */
   uint32_t table_count;
@@ -135,21 +137,11 @@ static int time_all(bench *b) {
 }
 
 static estimate time_of(const bench *b, const contender *c) {
-  double *samples = host_allocate(b->pairs, sizeof *samples);
-  memcpy(samples, c->samples, b->pairs * sizeof *samples);
-  const estimate result = estimate_median(samples, b->pairs);
-  free(samples);
-  return result;
+  return estimate_median(c->samples, b->pairs);
 }
 
-/* Of pairs from the same round. */
 static estimate ratio_of(const bench *b, const contender *top, const contender *bottom) {
-  double *samples = host_allocate(b->pairs, sizeof *samples);
-  for (uint32_t i = 0; i < b->pairs; i++)
-    samples[i] = top->samples[i] / bottom->samples[i];
-  const estimate result = estimate_median(samples, b->pairs);
-  free(samples);
-  return result;
+  return estimate_ratio(top->samples, bottom->samples, b->pairs);
 }
 
 static int time_planning(bench *b) {
@@ -158,7 +150,8 @@ static int time_planning(bench *b) {
   if (code == 0)
     b->many_plan = bench_plan_time(&many, &b->setup, b->pairs);
   if (code == 0 && b->floor)
-    code = bench_engine_run(&b->engine, &b->setup, &many, b->options->device, b->pairs);
+    code = bench_engine_run(&b->engine, &b->setup, &many, b->options->device,
+                            b->options->quick ? QUICK_ROUNDS : ENGINE_ROUNDS);
   bench_plan_free(&many);
   return code;
 }
@@ -261,17 +254,6 @@ static void print_results(FILE *to, const bench *b) {
           100.0 * b->many_plan.median / frame, b->stages[0].backend);
 }
 
-static void print_engine(FILE *to, const bench *b) {
-  const bench_engine *engine = &b->engine;
-  if (engine->frames)
-    fprintf(
-        to,
-        "  csm_render_cascades on an engine's device, %u instances: %.3f ms of CPU (%.3f .. %.3f), %u allocations in "
-        "%u frames\n",
-        MANY_INSTANCES, engine->call_ms.median, engine->call_ms.low, engine->call_ms.high, engine->allocations,
-        engine->frames);
-}
-
 static void print_switching(FILE *to, const bench *b) {
   const bench_switch *s = &b->switching;
   for (int i = 0; i < HOST_BACKENDS && s->rounds; i++)
@@ -318,13 +300,8 @@ static void depth_to_json(json_t *object, const bench *b) {
   for (int i = 0; i < HOST_BACKENDS && b->switching.rounds; i++)
     json_object_set_new(object, i ? "switch_to_d3d12_ms" : "switch_to_vulkan_ms",
                         named_estimate(host_backend_names[i], &b->switching.switch_ms[i]));
-  if (b->engine.frames) {
-    json_t *engine = named_estimate("call_ms", &b->engine.call_ms);
-    json_object_set_new(engine, "instances", json_integer(MANY_INSTANCES));
-    json_object_set_new(engine, "allocations", json_integer(b->engine.allocations));
-    json_object_set_new(engine, "frames", json_integer(b->engine.frames));
-    json_object_set_new(object, "engine", engine);
-  }
+  if (b->engine.rounds)
+    json_object_set_new(object, "engine", bench_engine_to_json(&b->engine));
 }
 
 static json_t *results_to_json(const bench *b) {
@@ -349,7 +326,8 @@ static void print_all(FILE *to, const bench *b) {
   print_setup(to, b);
   if (wanted(b, "depth")) {
     print_results(to, b);
-    print_engine(to, b);
+    if (b->engine.rounds)
+      bench_engine_print(to, &b->engine);
     print_switching(to, b);
   } else {
     for (uint32_t i = 0; i < b->stage_count; i++)

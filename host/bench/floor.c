@@ -104,7 +104,7 @@ int floor_open(floor_loop **out, const floor_info *info, char *error, size_t err
   if (!result)
     result = vulkan_commands_open(&loop->commands, &loop->vulkan);
   if (!result)
-    result = floor_casters_open(&loop->casters, &loop->vulkan, info->scene, &loop->commands);
+    result = floor_casters_open(&loop->casters, &loop->commands, info->scene, info->plan_scene->meshes);
   if (!result)
     result = upload_matrices(loop);
   if (!result)

@@ -39,7 +39,13 @@ static VkDeviceSize lay_out(floor_mesh *out, const scene *s, const scene_mesh *m
   return (out->indices + (VkDeviceSize)mesh->index_count * mesh->index_size + 15) / 16 * 16;
 }
 
-static VkResult upload_meshes(floor_casters *c, const scene *s) {
+/* As csm stores them: near to 0. */
+static void write_positions(float *to, const scene_mesh *mesh, const double offset[3]) {
+  for (size_t i = 0; i < (size_t)mesh->vertex_count * 3; ++i)
+    to[i] = (float)(mesh->positions[i] - offset[i % 3]);
+}
+
+static VkResult upload_meshes(floor_casters *c, const scene *s, const plan_bounds *bounds) {
   VkDeviceSize size = 0;
   c->meshes = host_allocate(s->mesh_count, sizeof *c->meshes);
   for (size_t i = 0; i < s->mesh_count; ++i)
@@ -50,7 +56,7 @@ static VkResult upload_meshes(floor_casters *c, const scene *s) {
     const scene_mesh *mesh = &s->meshes[i];
     const floor_mesh *to = &c->meshes[i];
     char *mapped = c->geometry.mapped;
-    memcpy(mapped + to->vertices, mesh->positions, (size_t)mesh->vertex_count * position_bytes);
+    write_positions((float *)(mapped + to->vertices), mesh, bounds[i].offset);
     if (to->indices > to->uvs)
       memcpy(mapped + to->uvs, mesh->uvs, (size_t)mesh->vertex_count * uv_bytes);
     memcpy(mapped + to->indices, mesh->indices, (size_t)mesh->index_count * mesh->index_size);
@@ -177,12 +183,12 @@ static VkResult add_cut_out(floor_casters *c, const scene *s, size_t mesh, vulka
   return result ? result : make_set(c, material, &c->meshes[mesh].cut_out);
 }
 
-VkResult floor_casters_open(floor_casters *out, const vulkan_device *vulkan, const scene *s,
-                            vulkan_commands *commands) {
+VkResult floor_casters_open(floor_casters *out, vulkan_commands *commands, const scene *s, const plan_bounds *bounds) {
+  const vulkan_device *vulkan = commands->vulkan;
   *out = (floor_casters){.vulkan = vulkan,
                          .images = host_allocate(s->material_count, sizeof *out->images),
                          .image_count = s->material_count};
-  VkResult result = upload_meshes(out, s);
+  VkResult result = upload_meshes(out, s, bounds);
   if (!result)
     result = make_buffer(out, &out->constants, s->material_count * block_stride, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT);
   if (!result)

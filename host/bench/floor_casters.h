@@ -3,6 +3,7 @@
 #define HOST_FLOOR_CASTERS_H
 
 #include "bench/vulkan_commands.h"
+#include "plan.h"
 #include "scene/scene.h"
 
 /* Where a mesh lies in the one buffer that holds them all, and how it is drawn. */
@@ -38,8 +39,8 @@ typedef struct floor_casters {
   VkPipeline pipelines[2][3]; /* by cut out or not, and by VkCullModeFlags */
 } floor_casters;
 
-/* Uploads the meshes, and waits. floor_casters_close is allowed after an error, too. */
-VkResult floor_casters_open(floor_casters *out, const vulkan_device *vulkan, const scene *s, vulkan_commands *commands);
+/* Uploads the meshes, whose bounds are given, and waits. floor_casters_close is allowed after an error, too. */
+VkResult floor_casters_open(floor_casters *out, vulkan_commands *commands, const scene *s, const plan_bounds *bounds);
 /* The pipelines for a pass that has one D32 attachment of `side` times `side` texels. */
 VkResult floor_casters_make_pipelines(floor_casters *c, VkRenderPass pass, uint32_t side);
 void floor_casters_close(floor_casters *c);

@@ -1,4 +1,4 @@
-/* no_vulkan.c: in place of floor.c, bare_mask.c and bench_engine.c in a build without Vulkan. */
+/* In place of floor.c, bare_mask.c and engine.c in a build without Vulkan. */
 #include "base/host.h"
 #include "bench/bare_mask.h"
 #include "bench/engine.h"
@@ -23,11 +23,11 @@ void floor_close(floor_loop *loop) {
 
 /* Never called without a floor. */
 int bench_engine_run(bench_engine *out, const host_setup *setup, const bench_plan *many, const char *device,
-                     uint32_t frames) {
+                     uint32_t rounds) {
   (void)setup;
   (void)many;
   (void)device;
-  (void)frames;
+  (void)rounds;
   *out = (bench_engine){0};
   return host_fail(HOST_NO_DEVICE, "this csm-host was built without Vulkan");
 }

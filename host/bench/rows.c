@@ -27,7 +27,7 @@ static csm_result resolve(const lane *l, uint32_t flags) {
                               .frame = &l->stage->frame,
                               .width = l->stage->setup->width,
                               .height = l->stage->setup->height};
-  return csm_resolve_mask(l->cascades, &info);
+  return csm_resolve_mask(l->stage->view, l->cascades, &info);
 }
 
 static int add_lane(group *g, stage *s, const bench_row *row, uint32_t pairs) {
@@ -64,12 +64,12 @@ static double draw_once(const group *g, const lane *l) {
   if (!l->stage)
     return g->floor.draw(g->floor.user);
   l->stage->frame.flags = g->maps ? CSM_FRAME_TIMESTAMPS : 0;
-  csm_stats stats = {.struct_size = sizeof stats};
+  stage_stats stats = {.maps.struct_size = sizeof stats.maps, .mask.struct_size = sizeof stats.mask};
   const csm_result result =
       g->maps ? csm_render_cascades(l->cascades, &l->stage->frame) : resolve(l, CSM_FRAME_TIMESTAMPS);
-  if (result || csm_get_stats(l->cascades, &stats))
+  if (result || csm_get_stats(l->cascades, &stats.maps) || csm_get_view_stats(l->stage->view, &stats.mask))
     return -1.0;
-  return g->maps ? stage_depth_ms(&stats) : stats.mask_gpu_ms;
+  return g->maps ? stage_maps_ms(&stats) : stage_mask_ms(&stats);
 }
 
 static int time_group(const group *g, const bench_table *table, uint32_t pairs) {
@@ -91,16 +91,6 @@ static int time_group(const group *g, const bench_table *table, uint32_t pairs) 
   return 0;
 }
 
-/* Of pairs from the same round; of the samples themselves without `bottom`. */
-static estimate compare(const lane *top, const lane *bottom, uint32_t pairs) {
-  double *samples = host_allocate(pairs, sizeof *samples);
-  for (uint32_t i = 0; i < pairs; i++)
-    samples[i] = top->samples[i] / (bottom ? bottom->samples[i] : 1.0);
-  const estimate result = estimate_median(samples, pairs);
-  free(samples);
-  return result;
-}
-
 static void take_results(bench_rows *out, const group *g, bool with_base) {
   const lane *base = NULL;
   for (uint32_t i = 0; i < g->count; i++) {
@@ -111,10 +101,11 @@ static void take_results(bench_rows *out, const group *g, bool with_base) {
     if (!l->stage || (is_base && !with_base))
       continue;
     bench_result *result = &out->results[out->count++];
-    *result = (bench_result){.row = l->row->name, .backend = l->stage->backend, .ms = compare(l, NULL, out->pairs)};
-    result->to_base = compare(l, base, out->pairs);
+    *result = (bench_result){
+        .row = l->row->name, .backend = l->stage->backend, .ms = estimate_median(l->samples, out->pairs)};
+    result->to_base = estimate_ratio(l->samples, base->samples, out->pairs);
     if (out->has_floor)
-      result->to_floor = compare(l, &g->lanes[0], out->pairs);
+      result->to_floor = estimate_ratio(l->samples, g->lanes[0].samples, out->pairs);
   }
 }
 

@@ -6,11 +6,13 @@
 
 static void fill_bounds(plan_bounds *out, const scene_mesh *mesh) {
   double minimum[3], maximum[3];
+  float low[3], high[3];
   scene_mesh_bounds(mesh, minimum, maximum);
   for (int i = 0; i < 3; i++) {
-    out->center[i] = 0.5 * (minimum[i] + maximum[i]);
-    out->extent[i] = 0.5 * (maximum[i] - minimum[i]);
+    low[i] = (float)minimum[i];
+    high[i] = (float)maximum[i];
   }
+  plan_bounds_make(out, low, high);
 }
 
 static void fill_instance(plan_instance *out, const scene_instance *from) {
@@ -36,6 +38,7 @@ static int plan_once(bench_plan *plan, const host_setup *setup) {
   const plan_frame_info info = {.config = &setup->config,
                                 .view = setup->camera.view,
                                 .projection = setup->camera.projection,
+                                .reversed = setup->camera.reversed ? CSM_REVERSED_YES : CSM_REVERSED_NO,
                                 .light = setup->light.direction,
                                 .scene = &plan->scene};
   const csm_result result = plan_frame_make(&plan->frame, &info, plan->memory, &error);
@@ -48,6 +51,7 @@ int bench_plan_make(bench_plan *out, const host_setup *setup, uint32_t instance_
   const scene *s = &setup->scene;
   const uint32_t own = (uint32_t)s->instance_count < instance_count ? (uint32_t)s->instance_count : instance_count;
   *out = (bench_plan){.instances = host_allocate(instance_count, sizeof *out->instances),
+                      .boxes = host_allocate(instance_count, sizeof *out->boxes),
                       .bounds = host_allocate(s->mesh_count, sizeof *out->bounds),
                       .matrices = host_allocate((size_t)instance_count * 12, sizeof *out->matrices)};
   for (size_t m = 0; m < s->mesh_count; m++)
@@ -55,8 +59,16 @@ int bench_plan_make(bench_plan *out, const host_setup *setup, uint32_t instance_
   for (uint32_t i = 0; i < own; i++)
     fill_instance(&out->instances[i], &s->instances[i]);
   strew(out->instances, own, instance_count);
+  for (uint32_t i = 0; i < instance_count; i++) {
+    if (plan_instance_check(&out->instances[i]))
+      return host_fail(HOST_BAD_INPUT, "instance %u cannot be placed", i);
+    plan_instance_box(&out->boxes[i], &out->instances[i], &out->bounds[out->instances[i].mesh]);
+  }
   out->scene = (plan_scene){.instances = out->instances,
-                            .instance_count = instance_count,
+                            .boxes = out->boxes,
+                            .slot_count = instance_count,
+                            .caster_count = instance_count,
+                            .receiver_count = instance_count,
                             .meshes = out->bounds,
                             .mesh_count = (uint32_t)s->mesh_count};
   const size_t size = plan_memory_size(instance_count, out->scene.mesh_count, setup->config.cascade_count);
@@ -69,6 +81,7 @@ int bench_plan_make(bench_plan *out, const host_setup *setup, uint32_t instance_
 
 void bench_plan_free(bench_plan *plan) {
   free(plan->instances);
+  free(plan->boxes);
   free(plan->bounds);
   free(plan->memory);
   free(plan->matrices);

@@ -9,6 +9,7 @@
 typedef struct bench_plan {
   plan_scene scene;
   plan_instance *instances;
+  plan_box *boxes;
   plan_bounds *bounds;
   void *memory;
   float *matrices; /* room for one cascade's */

@@ -91,15 +91,11 @@ static void print_truth(FILE *to, const measurement *m) {
             m->truth.convergence.largest_half);
 }
 
-static void print_time(FILE *to, const measurement *m, const char *name, double (*value)(const csm_stats *)) {
+static void print_time(FILE *to, const measurement *m, const char *name, double (*value)(const stage_stats *)) {
   fprintf(to, "  %-20s  %-34s", name, "");
   for (uint32_t i = 0; i < m->count; i++)
     fprintf(to, " %12.2f ms", value(&m->frames[i].stats));
   fputc('\n', to);
-}
-
-static double mask_ms(const csm_stats *stats) {
-  return stats->mask_gpu_ms;
 }
 
 static void print_setup(FILE *to, const measurement *m) {
@@ -119,8 +115,8 @@ static void print_table(FILE *to, const measurement *m) {
   print_truth(to, m);
   fputc('\n', to);
   metrics_print(to, m->metrics, names, m->count);
-  print_time(to, m, "maps, GPU", stage_depth_ms);
-  print_time(to, m, "mask, GPU", mask_ms);
+  print_time(to, m, "maps, GPU", stage_maps_ms);
+  print_time(to, m, "mask, GPU", stage_mask_ms);
   fputc('\n', to);
   if (m->count == 2)
     agreement_print(to, &m->agreement, names[0], names[1]);
@@ -144,17 +140,17 @@ static json_t *truth_to_json(const measurement *m) {
 }
 
 static json_t *backend_to_json(const measurement *m, uint32_t i) {
-  const csm_stats *stats = &m->frames[i].stats;
+  const stage_stats *stats = &m->frames[i].stats;
   json_t *object = json_object();
   json_object_set_new(object, "name", json_string(m->stages[i].backend));
   json_object_set_new(object, "device", json_string(m->stages[i].device));
   json_object_set_new(object, "driver", json_string(m->stages[i].driver));
   json_object_set_new(object, "metrics", metrics_to_json(&m->metrics[i]));
-  json_object_set_new(object, "plan_ms", json_real(stats->plan_ms));
-  json_object_set_new(object, "record_ms", json_real(stats->record_ms));
-  json_object_set_new(object, "maps_gpu_ms", json_real(stage_depth_ms(stats)));
-  json_object_set_new(object, "camera_depth_gpu_ms", json_real(stats->camera_depth_gpu_ms));
-  json_object_set_new(object, "mask_gpu_ms", json_real(stats->mask_gpu_ms));
+  json_object_set_new(object, "plan_ms", json_real(stats->maps.plan_ms));
+  json_object_set_new(object, "record_ms", json_real(stats->maps.record_ms));
+  json_object_set_new(object, "maps_gpu_ms", json_real(stage_maps_ms(stats)));
+  json_object_set_new(object, "camera_depth_gpu_ms", json_real(stats->mask.camera_depth_gpu_ms));
+  json_object_set_new(object, "mask_gpu_ms", json_real(stage_mask_ms(stats)));
   return object;
 }
 

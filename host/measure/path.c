@@ -189,8 +189,7 @@ static int compare_with(walk *w, uint32_t index, uint32_t b, const path_frame *b
 
 static int draw_frame(walk *w, uint32_t index, uint32_t b, path_frame *frame, const path_frame *before) {
   const camera *from = &w->path->cameras[index];
-  csm_binding binding;
-  int code = stage_draw_from(&w->stages[b], from, &w->path->lights[index], &binding);
+  int code = stage_draw_from(&w->stages[b], from, &w->path->lights[index]);
   if (code == 0 && before)
     code = compare_with(w, index, b, before);
   if (code == 0)

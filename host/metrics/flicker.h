@@ -20,7 +20,7 @@ typedef struct flicker_pair {
   const camera *second;   /* the second frame's camera */
   const scene_light *second_light;
   double shadow_distance;     /* the scene's */
-  const float *cascades[2];   /* CSM_VIEW_CASCADE of each frame's maps, at these points */
+  const float *cascades[2];   /* CSM_SHOW_CASCADE of each frame's maps, at these points */
   const float *visibility[2]; /* true, with each frame's light */
   const float *masks[2];      /* drawn, from each frame's maps, at these very points */
 } flicker_pair;

@@ -20,10 +20,10 @@ typedef struct picture_view {
 void picture_lit(image *out, const picture_view *view, const float *mask);
 /* Linear, of each cascade, in every picture. */
 extern const float picture_cascade_colors[CSM_MAX_CASCADES][3];
-/* The same, each pixel in its cascade's colour, which `cascades` holds as CSM_VIEW_CASCADE gives it; grey where there
+/* The same, each pixel in its cascade's colour, which `cascades` holds as CSM_SHOW_CASCADE gives it; grey where there
  * is none. */
 void picture_cascades(image *out, const picture_view *view, const float *mask, const float *cascades);
-/* Texels for each pixel, as CSM_VIEW_DENSITY gives them: white is one, blue fewer, to an eighth, red more, to eight;
+/* Texels for each pixel, as CSM_SHOW_DENSITY gives them: white is one, blue fewer, to an eighth, red more, to eight;
  * dark where there are none. */
 void picture_density(image *out, const picture_view *view, const float *density);
 /* Visibility: white lit, black shadowed; the sky is blue. */

@@ -16,12 +16,12 @@ typedef struct cost {
 } cost;
 
 static cost cost_of(const report_sweep *sweep, uint32_t point, uint32_t backend) {
-  double ms[REPORT_MAX_ROUNDS], ratios[REPORT_MAX_ROUNDS];
+  double own[REPORT_MAX_ROUNDS], base[REPORT_MAX_ROUNDS];
   for (uint32_t round = 0; round < sweep->rounds; round++) {
-    ms[round] = gpu_ms(sweep, point, backend, round);
-    ratios[round] = ms[round] / gpu_ms(sweep, sweep->base, backend, round);
+    own[round] = gpu_ms(sweep, point, backend, round);
+    base[round] = gpu_ms(sweep, sweep->base, backend, round);
   }
-  return (cost){.gpu_ms = estimate_median(ms, sweep->rounds), .ratio = estimate_median(ratios, sweep->rounds)};
+  return (cost){.gpu_ms = estimate_median(own, sweep->rounds), .ratio = estimate_ratio(own, base, sweep->rounds)};
 }
 
 /* ---- telling ---- */

@@ -95,23 +95,23 @@ void report_sweep_free(report_sweep *sweep) {
 /* ---- drawing ---- */
 
 static int time_point(report_point *point, stage *s, uint32_t backend, uint32_t round) {
-  csm_stats stats;
+  stage_stats stats;
   int code = stage_configure(s, &point->config);
   if (code == 0)
     code = stage_draw(s, &stats);
   if (code)
     return code;
-  const double times[REPORT_TIMES] = {[REPORT_PLAN_MS] = stats.plan_ms,
-                                      [REPORT_RECORD_MS] = stats.record_ms,
-                                      [REPORT_MAPS_MS] = stage_depth_ms(&stats),
-                                      [REPORT_MASK_MS] = stats.mask_gpu_ms};
+  const double times[REPORT_TIMES] = {[REPORT_PLAN_MS] = stats.maps.plan_ms,
+                                      [REPORT_RECORD_MS] = stats.maps.record_ms,
+                                      [REPORT_MAPS_MS] = stage_maps_ms(&stats),
+                                      [REPORT_MASK_MS] = stage_mask_ms(&stats)};
   double sum = 0.0;
   for (int i = 0; i < REPORT_SHADOW_MS; i++) {
     point->samples[backend][i][round] = times[i];
     sum += times[i];
   }
   point->samples[backend][REPORT_SHADOW_MS][round] = sum;
-  point->map_bytes = stats.map_bytes;
+  point->map_bytes = stats.maps.map_bytes;
   return 0;
 }
 
@@ -155,10 +155,10 @@ static int draw_reference(const report_studio *studio, double *ms) {
   int code = 0;
   *ms = 0.0;
   for (uint32_t b = 0; code == 0 && b < studio->stage_count; b++) {
-    csm_stats stats;
+    stage_stats stats;
     code = stage_draw(&studio->references[b], &stats);
     if (code == 0)
-      *ms += stats.plan_ms + stats.record_ms + stage_depth_ms(&stats) + stats.mask_gpu_ms;
+      *ms += stats.maps.plan_ms + stats.maps.record_ms + stage_maps_ms(&stats) + stage_mask_ms(&stats);
   }
   return code;
 }
@@ -270,7 +270,7 @@ int report_sweep_run(report_sweep *sweep, const report_studio *studio, uint32_t 
 
 int report_draw(const report_studio *studio, uint32_t backend, const csm_config *config, stage_frame *out) {
   stage *s = &studio->stages[backend];
-  csm_stats stats;
+  stage_stats stats;
   *out = (stage_frame){0};
   int code = stage_configure(s, config);
   if (code == 0)
@@ -281,29 +281,23 @@ int report_draw(const report_studio *studio, uint32_t backend, const csm_config 
 /* ---- times ---- */
 
 estimate report_time_of(const report_sweep *sweep, uint32_t point, uint32_t backend, report_time time) {
-  double samples[REPORT_MAX_ROUNDS];
-  memcpy(samples, sweep->points[point].samples[backend][time], sweep->rounds * sizeof *samples);
-  return estimate_median(samples, sweep->rounds);
-}
-
-static double ratio_in_round(const report_sweep *sweep, uint32_t point, uint32_t round) {
-  const report_point *p = &sweep->points[point];
-  return p->samples[1][REPORT_SHADOW_MS][round] / p->samples[0][REPORT_SHADOW_MS][round];
+  return estimate_median(sweep->points[point].samples[backend][time], sweep->rounds);
 }
 
 estimate report_ratio_of(const report_sweep *sweep, uint32_t point) {
-  double samples[REPORT_MAX_ROUNDS];
-  for (uint32_t r = 0; r < sweep->rounds; r++)
-    samples[r] = ratio_in_round(sweep, point, r);
-  return estimate_median(samples, sweep->rounds);
+  const report_point *p = &sweep->points[point];
+  return estimate_ratio(p->samples[1][REPORT_SHADOW_MS], p->samples[0][REPORT_SHADOW_MS], sweep->rounds);
 }
 
 estimate report_ratio_of_all(const report_sweep *sweep) {
-  double *samples = host_allocate((size_t)sweep->count * sweep->rounds, sizeof *samples);
+  const uint32_t count = sweep->count * sweep->rounds;
+  double *samples[2] = {host_allocate(count, sizeof(double)), host_allocate(count, sizeof(double))};
   for (uint32_t p = 0; p < sweep->count; p++)
-    for (uint32_t r = 0; r < sweep->rounds; r++)
-      samples[p * sweep->rounds + r] = ratio_in_round(sweep, p, r);
-  const estimate result = estimate_median(samples, sweep->count * sweep->rounds);
-  free(samples);
+    for (int b = 0; b < 2; b++)
+      memcpy(samples[b] + p * sweep->rounds, sweep->points[p].samples[b][REPORT_SHADOW_MS],
+             sweep->rounds * sizeof(double));
+  const estimate result = estimate_ratio(samples[1], samples[0], count);
+  free(samples[0]);
+  free(samples[1]);
   return result;
 }

@@ -27,11 +27,17 @@ depth_difference compare_depths(const float *a, const float *b, size_t count) {
   return difference;
 }
 
+static bool blocks_equal(const void *a, uint32_t size_a, const void *b, uint32_t size_b) {
+  return size_a == size_b && memcmp(a, b, size_a) == 0;
+}
+
 static bool bindings_equal(const csm_binding *a, const csm_binding *b) {
-  return a->cascade_count == b->cascade_count && a->resolution == b->resolution &&
-         a->constants_size == b->constants_size && memcmp(a->origin, b->origin, sizeof a->origin) == 0 &&
+  return a->cascade_count == b->cascade_count && memcmp(a->resolutions, b->resolutions, sizeof a->resolutions) == 0 &&
+         memcmp(a->origin, b->origin, sizeof a->origin) == 0 &&
          memcmp(a->cascades, b->cascades, a->cascade_count * sizeof a->cascades[0]) == 0 &&
-         memcmp(a->constants, b->constants, a->constants_size) == 0;
+         blocks_equal(a->cascade_constants, a->cascade_constants_size, b->cascade_constants,
+                      b->cascade_constants_size) &&
+         blocks_equal(a->setting_constants, a->setting_constants_size, b->setting_constants, b->setting_constants_size);
 }
 
 static bool within(const depth_difference *difference, uint32_t allowed_ulp) {
@@ -69,7 +75,7 @@ void compare_frames(agreement *out, const stage *a, const stage_frame *frame_a, 
   const size_t pixels = (size_t)a->setup->width * a->setup->height;
   *out = (agreement){.cascade_count = frame_a->binding.cascade_count,
                      .allowed_ulp = strcmp(a->device, b->device) == 0 ? 0 : 2,
-                     .plans_equal = frame_a->stats.plan_hash == frame_b->stats.plan_hash &&
+                     .plans_equal = frame_a->stats.maps.plan_hash == frame_b->stats.maps.plan_hash &&
                                     bindings_equal(&frame_a->binding, &frame_b->binding),
                      .depth_agrees = true};
   for (uint32_t k = 0; k < out->cascade_count; k++) {
@@ -120,8 +126,8 @@ static json_t *depth_to_json(const depth_difference *difference) {
 static json_t *views_to_json(const agreement *result) {
   json_t *object = json_object();
   json_object_set_new(object, "agree", json_boolean(result->views_agree));
-  json_object_set_new(object, "cascade_differing", json_integer((json_int_t)result->views[CSM_VIEW_CASCADE - 1]));
-  json_object_set_new(object, "density_differing", json_integer((json_int_t)result->views[CSM_VIEW_DENSITY - 1]));
+  json_object_set_new(object, "cascade_differing", json_integer((json_int_t)result->views[CSM_SHOW_CASCADE - 1]));
+  json_object_set_new(object, "density_differing", json_integer((json_int_t)result->views[CSM_SHOW_DENSITY - 1]));
   json_object_set_new(object, "casters_equal", json_boolean(result->casters_equal));
   return object;
 }

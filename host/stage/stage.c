@@ -1,6 +1,6 @@
 #include "stage/stage.h"
 #include "base/host.h"
-#include "scene/mesh_closed.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -45,33 +45,12 @@ static void describe_device(stage *s, const char *asked) {
     }
 }
 
-/* `alpha mask`: of its material, or 0. */
-static csm_mesh_info describe_mesh(const scene *from, const scene_mesh *mesh, csm_alpha_mask alpha_mask, bool closed) {
-  csm_mesh_info info = {.struct_size = sizeof info,
-                        .flags = closed ? CSM_MESH_WATERTIGHT : 0,
-                        .positions = mesh->positions,
-                        .vertex_count = mesh->vertex_count,
-                        .indices = mesh->indices,
-                        .index_count = mesh->index_count,
-                        .index_size = mesh->index_size,
-                        .name = mesh->name};
-  const scene_alpha_mask *cut = scene_cut_out(from, mesh);
-  if (cut) {
-    info.flags = CSM_MESH_TWO_SIDED; /* leaves are */
-    info.alpha_mask = alpha_mask;
-    info.uvs = mesh->uvs;
-    info.alpha_cutoff = (float)cut->cutoff;
-  }
-  return info;
-}
-
 /* The scene stays in memory, so csm need not keep a copy of it for csm_switch_backend. */
 static csm_result CSM_CALL supply_mesh(void *user, csm_mesh mesh, csm_mesh_info *info) {
-  const stage *s = user;
-  for (size_t m = 0; m < s->setup->scene.mesh_count; m++)
-    if (s->meshes[m] == mesh) {
-      const scene_mesh *from = &s->setup->scene.meshes[m];
-      *info = describe_mesh(&s->setup->scene, from, s->alpha_masks[from->material], s->closed[m]);
+  const assets *a = &((const stage *)user)->assets;
+  for (size_t m = 0; m < a->scene->mesh_count; m++)
+    if (a->meshes[m] == mesh) {
+      *info = assets_mesh_info(a, m);
       return CSM_SUCCESS;
     }
   return CSM_ERROR_INVALID_HANDLE;
@@ -94,67 +73,60 @@ int stage_open(stage *out, const char *backend, const char *device) {
 
 void stage_close(stage *s) {
   csm_destroy(s->context);
-  free(s->meshes);
-  free(s->alpha_masks);
-  free(s->closed);
+  assets_free(&s->assets);
   free(s->instances);
   *s = (stage){0};
 }
 
-static csm_result upload_alpha_mask(stage *s, const scene_alpha_mask *cut, csm_alpha_mask *out) {
-  static const uint32_t wraps[] = {[SCENE_WRAP_REPEAT] = CSM_WRAP_REPEAT,
-                                   [SCENE_WRAP_MIRROR] = CSM_WRAP_MIRROR,
-                                   [SCENE_WRAP_CLAMP] = CSM_WRAP_CLAMP};
-  const csm_alpha_mask_info info = {.struct_size = sizeof info,
-                                    .width = cut->width,
-                                    .height = cut->height,
-                                    .wrap_u = wraps[cut->wrap[0]],
-                                    .wrap_v = wraps[cut->wrap[1]],
-                                    .texels = cut->alpha};
-  return csm_alpha_mask_create(s->context, &info, out);
+/* The instances stay in a scene: no frame moves them. */
+static csm_result place_instances(stage *s, const scene *from) {
+  const uint32_t count = (uint32_t)from->instance_count;
+  csm_instance *instances = host_allocate(count, sizeof *instances);
+  s->instances = host_allocate(count, sizeof *s->instances);
+  for (uint32_t i = 0; i < count; i++) {
+    instances[i] = (csm_instance){.struct_size = sizeof *instances, .mesh = s->assets.meshes[from->instances[i].mesh]};
+    memcpy(instances[i].transform, from->instances[i].transform, sizeof instances[i].transform);
+  }
+  const csm_scene_batch batch = {
+      .struct_size = sizeof batch, .count = count, .ids = s->instances, .instances = instances};
+  csm_result result = csm_scene_create(s->context, &s->scene);
+  if (result == CSM_SUCCESS && count)
+    result = csm_scene_add(s->scene, &batch);
+  free(instances);
+  return result;
 }
 
-static int upload_meshes(stage *s, const scene *from) {
-  int code = 0;
-  s->meshes = host_allocate(from->mesh_count, sizeof *s->meshes);
-  s->alpha_masks = host_allocate(from->material_count, sizeof *s->alpha_masks);
-  s->closed = host_allocate(from->mesh_count, sizeof *s->closed);
-  for (size_t m = 0; m < from->mesh_count && code == 0; m++) {
-    const scene_mesh *mesh = &from->meshes[m];
-    const scene_alpha_mask *cut = scene_cut_out(from, mesh);
-    csm_alpha_mask *alpha_mask = &s->alpha_masks[mesh->material];
-    if (cut && !*alpha_mask)
-      code = exit_code(upload_alpha_mask(s, cut, alpha_mask));
-    s->closed[m] = mesh_is_closed(mesh);
-    const csm_mesh_info info = describe_mesh(from, mesh, *alpha_mask, s->closed[m]);
-    if (code == 0)
-      code = exit_code(csm_mesh_create(s->context, &info, &s->meshes[m]));
-  }
-  return code;
+csm_camera stage_camera(const camera *from) {
+  csm_camera to = {.struct_size = sizeof to, .reversed = from->reversed ? CSM_REVERSED_YES : CSM_REVERSED_NO};
+  memcpy(to.view, from->view, sizeof to.view);
+  memcpy(to.projection, from->projection, sizeof to.projection);
+  return to;
 }
 
-static void place_instances(stage *s, const scene *from) {
-  s->instances = host_allocate(from->instance_count, sizeof *s->instances);
-  for (size_t i = 0; i < from->instance_count; i++) {
-    s->instances[i].struct_size = sizeof *s->instances;
-    s->instances[i].mesh = s->meshes[from->instances[i].mesh];
-    memcpy(s->instances[i].transform, from->instances[i].transform, sizeof s->instances[i].transform);
-  }
+csm_light stage_light(const scene_light *from) {
+  csm_light to = {.struct_size = sizeof to};
+  memcpy(to.direction, from->direction, sizeof to.direction);
+  to.angular_diameter = fmin(from->disc_deg * (3.14159265358979323846 / 180.0), 1.0);
+  return to;
+}
+
+void stage_look(stage *s, const camera *from) {
+  s->camera = stage_camera(from);
 }
 
 int stage_load(stage *s, const host_setup *setup) {
   s->setup = setup;
-  int code = upload_meshes(s, &setup->scene);
-  if (code)
-    return code;
-  place_instances(s, &setup->scene);
-  s->frame = (csm_frame){.struct_size = sizeof s->frame,
-                         .instances = s->instances,
-                         .instance_count = (uint32_t)setup->scene.instance_count};
-  memcpy(s->frame.view, setup->camera.view, sizeof s->frame.view);
-  memcpy(s->frame.projection, setup->camera.projection, sizeof s->frame.projection);
-  memcpy(s->frame.light_direction, setup->light.direction, sizeof s->frame.light_direction);
-  return exit_code(csm_cascades_create(s->context, &setup->config, &s->cascades));
+  s->camera = stage_camera(&setup->camera);
+  s->light = stage_light(&setup->light);
+  csm_result result = assets_upload(&s->assets, s->context, &setup->scene);
+  if (result == CSM_SUCCESS)
+    result = place_instances(s, &setup->scene);
+  s->frame = (csm_frame){.struct_size = sizeof s->frame, .camera = &s->camera, .light = &s->light, .scene = s->scene};
+  if (result == CSM_SUCCESS)
+    result = csm_view_create(s->context, &s->view);
+  if (result == CSM_SUCCESS)
+    result = csm_cascades_create(s->context, &setup->config, &s->cascades);
+  return exit_code(result);
 }
 
 int stage_configure(stage *s, const csm_config *config) {
@@ -177,29 +149,39 @@ int stage_switch(stage *s, const char *backend, const char *device, double *ms) 
   return 0;
 }
 
-static int wait_for_stats(stage *s, csm_stats *stats) {
-  *stats = (csm_stats){.struct_size = sizeof *stats};
-  return exit_code(csm_get_stats(s->cascades, stats));
+static csm_result wait_for_stats(const stage *s, stage_stats *stats) {
+  *stats = (stage_stats){.maps.struct_size = sizeof stats->maps, .mask.struct_size = sizeof stats->mask};
+  const csm_result result = csm_get_stats(s->cascades, &stats->maps);
+  return result ? result : csm_get_view_stats(s->view, &stats->mask);
 }
 
 int stage_render(stage *s) {
-  csm_stats stats;
+  stage_stats stats;
   s->frame.flags = 0;
-  const int code = exit_code(csm_render_cascades(s->cascades, &s->frame));
-  return code ? code : wait_for_stats(s, &stats);
+  csm_result result = csm_render_cascades(s->cascades, &s->frame);
+  if (result == CSM_SUCCESS)
+    result = wait_for_stats(s, &stats);
+  return exit_code(result);
 }
 
-int stage_draw(stage *s, csm_stats *stats) {
-  s->frame.flags = CSM_FRAME_TIMESTAMPS;
-  int code = exit_code(csm_render_cascades(s->cascades, &s->frame));
-  const csm_mask_info mask = {.struct_size = sizeof mask,
-                              .flags = CSM_FRAME_TIMESTAMPS,
+static csm_result resolve(stage *s, uint32_t show) {
+  const csm_mask_info info = {.struct_size = sizeof info,
+                              .flags = s->frame.flags,
                               .frame = &s->frame,
                               .width = s->setup->width,
-                              .height = s->setup->height};
-  if (code == 0)
-    code = exit_code(csm_resolve_mask(s->cascades, &mask));
-  return code ? code : wait_for_stats(s, stats);
+                              .height = s->setup->height,
+                              .show = show};
+  return csm_resolve_mask(s->view, s->cascades, &info);
+}
+
+int stage_draw(stage *s, stage_stats *stats) {
+  s->frame.flags = CSM_FRAME_TIMESTAMPS;
+  csm_result result = csm_render_cascades(s->cascades, &s->frame);
+  if (result == CSM_SUCCESS)
+    result = resolve(s, CSM_SHOW_VISIBILITY);
+  if (result == CSM_SUCCESS)
+    result = wait_for_stats(s, stats);
+  return exit_code(result);
 }
 
 static double middle_of_three(double a, double b, double c) {
@@ -208,22 +190,29 @@ static double middle_of_three(double a, double b, double c) {
 }
 
 /* Every time is the median of its own. */
-static void median_times(csm_stats *out, const csm_stats timed[TIMED_FRAMES]) {
-  const csm_stats *a = &timed[0], *b = &timed[1], *c = &timed[2];
+static void median_times(stage_stats *out, const stage_stats timed[TIMED_FRAMES]) {
+  const stage_stats *a = &timed[0], *b = &timed[1], *c = &timed[2];
   *out = *c;
-  out->plan_ms = middle_of_three(a->plan_ms, b->plan_ms, c->plan_ms);
-  out->record_ms = middle_of_three(a->record_ms, b->record_ms, c->record_ms);
-  out->clear_gpu_ms = middle_of_three(a->clear_gpu_ms, b->clear_gpu_ms, c->clear_gpu_ms);
-  out->camera_depth_gpu_ms = middle_of_three(a->camera_depth_gpu_ms, b->camera_depth_gpu_ms, c->camera_depth_gpu_ms);
-  out->mask_gpu_ms = middle_of_three(a->mask_gpu_ms, b->mask_gpu_ms, c->mask_gpu_ms);
-  for (uint32_t k = 0; k < out->cascade_count; k++)
-    out->cascades[k].gpu_ms = middle_of_three(a->cascades[k].gpu_ms, b->cascades[k].gpu_ms, c->cascades[k].gpu_ms);
+  out->maps.plan_ms = middle_of_three(a->maps.plan_ms, b->maps.plan_ms, c->maps.plan_ms);
+  out->maps.record_ms = middle_of_three(a->maps.record_ms, b->maps.record_ms, c->maps.record_ms);
+  out->maps.clear_gpu_ms = middle_of_three(a->maps.clear_gpu_ms, b->maps.clear_gpu_ms, c->maps.clear_gpu_ms);
+  out->mask.camera_depth_gpu_ms =
+      middle_of_three(a->mask.camera_depth_gpu_ms, b->mask.camera_depth_gpu_ms, c->mask.camera_depth_gpu_ms);
+  out->mask.mask_gpu_ms = middle_of_three(a->mask.mask_gpu_ms, b->mask.mask_gpu_ms, c->mask.mask_gpu_ms);
+  for (uint32_t k = 0; k < out->maps.cascade_count; k++)
+    out->maps.cascades[k].gpu_ms =
+        middle_of_three(a->maps.cascades[k].gpu_ms, b->maps.cascades[k].gpu_ms, c->maps.cascades[k].gpu_ms);
 }
 
 static int read_into(stage *s, uint32_t source, uint32_t cascade, size_t count, float *out) {
-  const csm_read_info info = {
-      .struct_size = sizeof info, .source = source, .cascade = cascade, .data = out, .size = count * sizeof *out};
-  return exit_code(csm_read(s->cascades, &info));
+  const csm_read_info info = {.struct_size = sizeof info,
+                              .source = source,
+                              .cascades = source == CSM_READ_MAP ? s->cascades : NULL,
+                              .view = source == CSM_READ_MAP ? NULL : s->view,
+                              .cascade = cascade,
+                              .data = out,
+                              .size = count * sizeof *out};
+  return exit_code(csm_read(s->context, &info));
 }
 
 static int read_back(stage *s, uint32_t source, uint32_t cascade, size_t count, float **out) {
@@ -253,23 +242,18 @@ int stage_read_views(stage *s, stage_frame *out) {
   int code = 0;
   s->frame.flags = 0;
   for (uint32_t i = 0; i < STAGE_VIEWS && code == 0; i++) {
-    const csm_mask_info info = {.struct_size = sizeof info,
-                                .frame = &s->frame,
-                                .width = s->setup->width,
-                                .height = s->setup->height,
-                                .view = CSM_VIEW_CASCADE + i};
-    code = exit_code(csm_resolve_mask(s->cascades, &info));
+    code = exit_code(resolve(s, CSM_SHOW_CASCADE + i));
     if (code == 0)
       code = read_back(s, CSM_READ_MASK, 0, pixels, &out->views[i]);
   }
   if (code)
     return code;
   out->casters = host_allocate(instances, sizeof *out->casters);
-  return exit_code(csm_get_casters(s->cascades, (uint32_t)instances, out->casters));
+  return exit_code(csm_get_casters(s->cascades, (uint32_t)instances, s->instances, out->casters));
 }
 
 int stage_capture(stage *s, stage_frame *out) {
-  csm_stats timed[TIMED_FRAMES];
+  stage_stats timed[TIMED_FRAMES];
   *out = (stage_frame){0};
   int code = stage_draw(s, &timed[0]);
   for (int i = 0; code == 0 && i < TIMED_FRAMES; i++)
@@ -281,33 +265,24 @@ int stage_capture(stage *s, stage_frame *out) {
   return code;
 }
 
-static void look_from(stage *s, const camera *from) {
+int stage_draw_from(stage *s, const camera *from, const scene_light *light) {
   s->frame.flags = 0;
-  memcpy(s->frame.view, from->view, sizeof s->frame.view);
-  memcpy(s->frame.projection, from->projection, sizeof s->frame.projection);
-}
-
-int stage_draw_from(stage *s, const camera *from, const scene_light *light, csm_binding *binding) {
-  look_from(s, from);
-  memcpy(s->frame.light_direction, light->direction, sizeof s->frame.light_direction);
-  const int code = exit_code(csm_render_cascades(s->cascades, &s->frame));
-  *binding = (csm_binding){.struct_size = sizeof *binding};
-  return code ? code : exit_code(csm_bind(s->cascades, binding));
+  stage_look(s, from);
+  s->light = stage_light(light);
+  return exit_code(csm_render_cascades(s->cascades, &s->frame));
 }
 
 int stage_mask(stage *s, const camera *from, float *mask, float *camera_depth, float *cascades) {
-  look_from(s, from);
-  csm_mask_info info = {
-      .struct_size = sizeof info, .frame = &s->frame, .width = s->setup->width, .height = s->setup->height};
   const size_t pixels = (size_t)s->setup->width * s->setup->height;
-  int code = exit_code(csm_resolve_mask(s->cascades, &info));
+  s->frame.flags = 0;
+  stage_look(s, from);
+  int code = exit_code(resolve(s, CSM_SHOW_VISIBILITY));
   if (code == 0)
     code = read_into(s, CSM_READ_MASK, 0, pixels, mask);
   if (code == 0 && camera_depth)
     code = read_into(s, CSM_READ_CAMERA_DEPTH, 0, pixels, camera_depth);
-  info.view = CSM_VIEW_CASCADE;
   if (code == 0 && cascades)
-    code = exit_code(csm_resolve_mask(s->cascades, &info));
+    code = exit_code(resolve(s, CSM_SHOW_CASCADE));
   if (code == 0 && cascades)
     code = read_into(s, CSM_READ_MASK, 0, pixels, cascades);
   return code;
@@ -324,9 +299,17 @@ void stage_frame_free(stage_frame *frame) {
   memset(frame, 0, sizeof *frame);
 }
 
-double stage_depth_ms(const csm_stats *stats) {
-  double sum = stats->clear_gpu_ms;
-  for (uint32_t k = 0; k < stats->cascade_count; k++)
-    sum += stats->cascades[k].gpu_ms;
+double stage_maps_ms(const stage_stats *stats) {
+  double sum = stats->maps.clear_gpu_ms;
+  for (uint32_t k = 0; k < stats->maps.cascade_count; k++)
+    sum += stats->maps.cascades[k].gpu_ms;
   return sum;
+}
+
+double stage_mask_ms(const stage_stats *stats) {
+  return stats->mask.mask_gpu_ms;
+}
+
+double stage_view_ms(const stage_stats *stats) {
+  return stats->mask.camera_depth_gpu_ms + stats->mask.mask_gpu_ms;
 }

@@ -61,9 +61,9 @@ static size_t pixel_count(const view *v) {
 /* Draws with csm from where the camera is, and reads back what the picture needs. */
 static int draw(view *v) {
   const double start_ms = host_now_ms();
-  csm_stats stats;
+  stage_stats stats;
   view_camera_place(&v->flight, &v->setup.camera);
-  memcpy(v->stage.frame.view, v->setup.camera.view, sizeof v->stage.frame.view);
+  stage_look(&v->stage, &v->setup.camera);
   int code = stage_draw(&v->stage, &stats);
   stage_frame_free(&v->frame);
   if (code == 0)
@@ -92,11 +92,11 @@ static const char *filter_name(uint32_t filter) {
 
 static void describe(const view *v, char *text, size_t size) {
   const csm_config *config = &v->setup.config;
-  const csm_stats *stats = &v->frame.stats;
+  const stage_stats *stats = &v->frame.stats;
   snprintf(text, size, "%s on %s: %u x %u², %s: maps %.0f ms, mask %.0f ms; frame %.0f + %.0f ms; %s",
            v->setup.scene.name, v->stage.backend, config->cascade_count, config->resolution,
-           filter_name(config->filter), stage_depth_ms(stats), stats->camera_depth_gpu_ms + stats->mask_gpu_ms,
-           v->draw_ms, v->picture_ms, shown_names[v->shown]);
+           filter_name(config->filter), stage_maps_ms(stats), stage_view_ms(stats), v->draw_ms, v->picture_ms,
+           shown_names[v->shown]);
 }
 
 /* These cast rays from outside, which takes longer than the others. */
@@ -114,10 +114,10 @@ static int make_outside(image *picture, const view *v, const picture_view *seen)
 static int make_picture(image *picture, const view *v, const picture_view *seen) {
   switch (v->shown) {
   case SHOW_CASCADES:
-    picture_cascades(picture, seen, v->frame.mask, v->frame.views[CSM_VIEW_CASCADE - 1]);
+    picture_cascades(picture, seen, v->frame.mask, v->frame.views[CSM_SHOW_CASCADE - 1]);
     return 0;
   case SHOW_DENSITY:
-    picture_density(picture, seen, v->frame.views[CSM_VIEW_DENSITY - 1]);
+    picture_density(picture, seen, v->frame.views[CSM_SHOW_DENSITY - 1]);
     return 0;
   case SHOW_MAPS:
     picture_maps(picture, (const float *const *)v->frame.maps, v->frame.binding.cascade_count,

@@ -16,7 +16,7 @@ static size_t count_differing(floor_loop *loop, stage *s, size_t *drawn) {
   const size_t texels = (size_t)side * side;
   float *bare = host_allocate(texels, sizeof *bare);
   stage_frame frame;
-  csm_stats stats;
+  stage_stats stats;
   size_t differing = 0;
   assert_true(floor_frame(loop) >= 0.0);
   assert_int_equal(stage_draw(s, &stats), 0);

@@ -567,6 +567,7 @@ typedef struct twin {
   host_setup setup;
   stage stages[2];
   stage_frame frames[2];
+  float cascade_constants[2][4], setting_constants[2][4];
   float maps[2][16 * 16], masks[2][200 * 100], depths[2][200 * 100];
 } twin;
 
@@ -577,7 +578,11 @@ static twin *make_twin(void) {
   for (int i = 0; i < 2; i++) {
     t->stages[i].setup = &t->setup;
     t->frames[i].binding.cascade_count = 1;
-    t->frames[i].binding.resolution = t->frames[i].binding.resolutions[0] = 16;
+    t->frames[i].binding.resolutions[0] = 16;
+    t->frames[i].binding.cascade_constants = t->cascade_constants[i];
+    t->frames[i].binding.cascade_constants_size = sizeof t->cascade_constants[i];
+    t->frames[i].binding.setting_constants = t->setting_constants[i];
+    t->frames[i].binding.setting_constants_size = sizeof t->setting_constants[i];
     t->frames[i].maps[0] = t->maps[i];
     t->frames[i].mask = t->masks[i];
     t->frames[i].camera_depth = t->depths[i];
@@ -612,9 +617,15 @@ static void agreement_keeps_to_the_contract(void **state) {
   assert_false(compare_twin(t).agrees);
   t->maps[1][5] = 0.0f;
 
-  t->frames[1].stats.plan_hash = 1;
+  t->frames[1].stats.maps.plan_hash = 1;
   assert_false(compare_twin(t).agrees);
-  t->frames[1].stats.plan_hash = 0;
+  t->frames[1].stats.maps.plan_hash = 0;
+  t->cascade_constants[1][3] = 1e-30f;
+  assert_false(compare_twin(t).agrees);
+  t->cascade_constants[1][3] = 0.0f;
+  t->setting_constants[1][0] = -0.0f;
+  assert_false(compare_twin(t).agrees);
+  t->setting_constants[1][0] = 0.0f;
   t->frames[1].binding.cascades[0].texel_size = 1e-300;
   assert_false(compare_twin(t).agrees);
   free(t);
