@@ -39,10 +39,18 @@ void *host_grow(void *array, size_t *capacity, size_t needed, size_t size) {
   return grown;
 }
 
-double host_now_ms(void) {
+static double read_clock(clockid_t clock) {
   struct timespec now;
-  clock_gettime(CLOCK_MONOTONIC, &now);
+  clock_gettime(clock, &now);
   return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
+}
+
+double host_now_ms(void) {
+  return read_clock(CLOCK_MONOTONIC);
+}
+
+double host_cpu_ms(void) {
+  return read_clock(CLOCK_THREAD_CPUTIME_ID);
 }
 
 void host_progress(const char *text) {

@@ -16,6 +16,8 @@ void *host_grow(void *array, size_t *capacity, size_t needed, size_t size);
 
 /* A steady clock. */
 double host_now_ms(void);
+/* What the calling thread has had of a processor: other programs do not show in it. */
+double host_cpu_ms(void);
 
 /* A line of progress on a terminal, overwritten by the next; "" clears it. Silent elsewhere. */
 void host_progress(const char *text);
