@@ -3,7 +3,7 @@
 #ifndef STRUCTS_H
 #define STRUCTS_H
 
-#include "csm/csm.h"
+#include "csm/csm_base.h"
 
 /*
  * Copies a struct that begins with struct_size into `out`, of `size` bytes; what the caller's lacks is zero. Errors:

@@ -143,9 +143,9 @@ static void test_missing(void **state) {
 static void test_versions(void **state) {
   (void)state;
   expect_error("old", CSM_ERROR_BACKEND_TOO_OLD,
-               STUBS "/libcsm-old.so is too old: it speaks versions 0 to 0, this csm speaks 1 to 1");
+               STUBS "/libcsm-old.so is too old: it speaks versions 0 to 1, this csm speaks 2 to 2");
   expect_error("new", CSM_ERROR_BACKEND_TOO_NEW,
-               STUBS "/libcsm-new.so is too new: it speaks versions 2 to 7, this csm speaks 1 to 1");
+               STUBS "/libcsm-new.so is too new: it speaks versions 3 to 7, this csm speaks 2 to 2");
 }
 
 static void test_liars(void **state) {

@@ -48,9 +48,9 @@ static int set_up(void **state) {
   f->gpu = hello.backend;
   if (f->gpu->open(&(gpu_open_info){.host = &f->host, .slots = 1}, &f->device))
     return -1;
-  f->gpu->image_create(f->device, &(gpu_image_info){"depth", GPU_FORMAT_D16_UNORM, usage, WIDTH, HEIGHT, LAYERS, true},
-                       &f->depth);
-  f->gpu->image_create(f->device, &(gpu_image_info){"color", GPU_FORMAT_RG32_FLOAT, usage, WIDTH, HEIGHT, 1, false},
+  f->gpu->image_create(
+      f->device, &(gpu_image_info){"depth", GPU_FORMAT_D16_UNORM, usage, WIDTH, HEIGHT, LAYERS, true, 1}, &f->depth);
+  f->gpu->image_create(f->device, &(gpu_image_info){"color", GPU_FORMAT_RG32_FLOAT, usage, WIDTH, HEIGHT, 1, false, 1},
                        &f->color);
   f->gpu->target_create(f->device, &(gpu_target_info){.name = "target", .depth = f->depth}, &f->target);
   f->gpu->buffer_create(f->device,
@@ -103,16 +103,16 @@ static void copy(fixture *f, gpu_image *image, uint64_t offset, gpu_region from,
 
 static void test_regions(void **state) {
   fixture *f = *state;
-  copy(f, f->color, 512, (gpu_region){0, 1, 2, 3, 4}, NULL);
+  copy(f, f->color, 512, (gpu_region){0, 1, 2, 3, 4, 0}, NULL);
   assert_string_equal(f->command, "copy_image readback 512 512 color 0 1 2 3 4");
-  copy(f, f->depth, 0, (gpu_region){1, 0, 0, WIDTH, HEIGHT}, NULL);
-  copy(f, f->depth, 0, (gpu_region){1, 0, 0, WIDTH, HEIGHT - 1}, "copy_image: a part of a layer of depths");
-  copy(f, f->color, 0, (gpu_region){1, 0, 0, 1, 1}, "copy_image: no such layer");
-  copy(f, f->color, 0, (gpu_region){0, WIDTH, 0, 1, 1}, "copy_image: beyond the image, or empty");
-  copy(f, f->color, 0, (gpu_region){0, 0, HEIGHT - 1, 1, 2}, "copy_image: beyond the image, or empty");
-  copy(f, f->color, 0, (gpu_region){0, 0, 0, 1, 0}, "copy_image: beyond the image, or empty");
-  copy(f, f->color, 256, (gpu_region){0, 0, 0, 1, 1}, "copy_image: offset is not a multiple of 512");
-  copy(f, f->color, BUFFER_SIZE, (gpu_region){0, 0, 0, 1, 1}, "copy_image: beyond a row's or the buffer's end");
+  copy(f, f->depth, 0, (gpu_region){1, 0, 0, WIDTH, HEIGHT, 0}, NULL);
+  copy(f, f->depth, 0, (gpu_region){1, 0, 0, WIDTH, HEIGHT - 1, 0}, "copy_image: a part of a layer of depths");
+  copy(f, f->color, 0, (gpu_region){1, 0, 0, 1, 1, 0}, "copy_image: no such layer");
+  copy(f, f->color, 0, (gpu_region){0, WIDTH, 0, 1, 1, 0}, "copy_image: beyond the image, or empty");
+  copy(f, f->color, 0, (gpu_region){0, 0, HEIGHT - 1, 1, 2, 0}, "copy_image: beyond the image, or empty");
+  copy(f, f->color, 0, (gpu_region){0, 0, 0, 1, 0, 0}, "copy_image: beyond the image, or empty");
+  copy(f, f->color, 256, (gpu_region){0, 0, 0, 1, 1, 0}, "copy_image: offset is not a multiple of 512");
+  copy(f, f->color, BUFFER_SIZE, (gpu_region){0, 0, 0, 1, 1, 0}, "copy_image: beyond a row's or the buffer's end");
 }
 
 static void program(fixture *f, const gpu_program_info *info, const char *breach) {

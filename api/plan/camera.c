@@ -40,6 +40,8 @@ static csm_result take_view(plan_camera *camera, const double view[16], const ch
     return plan_fail(error, result, "view is not finite");
   if (result)
     return plan_fail(error, result, "view is singular or not affine");
+  if (!plan_within(view, 16, PLAN_LARGEST))
+    return plan_fail(error, CSM_ERROR_INVALID_MATRIX, "view has numbers too large to plan with");
   if (!is_rigid(view))
     return plan_fail(error, CSM_ERROR_INVALID_MATRIX, "view is more than a rotation, a translation and a mirroring");
   double inverse[9];
@@ -48,8 +50,6 @@ static csm_result take_view(plan_camera *camera, const double view[16], const ch
     camera->view[i] = view[i];
   for (int i = 0; i < 3; ++i)
     camera->position[i] = -(inverse[i] * view[12] + inverse[3 + i] * view[13] + inverse[6 + i] * view[14]);
-  if (!plan_finite(camera->position, 3))
-    return plan_fail(error, CSM_ERROR_INVALID_MATRIX, "view puts the camera beyond what doubles hold");
   return CSM_SUCCESS;
 }
 
@@ -66,10 +66,11 @@ static csm_result scale_projection(plan_camera *camera, const double p[16], cons
   camera->orthographic = fabs(p[15]) > fabs(p[11]);
   if (camera->orthographic && p[15] < 0.0)
     return plan_fail(error, CSM_ERROR_INVALID_CAMERA, "projection is orthographic with a negative clip w");
-  for (int i = 0; i < 16; ++i)
+  for (int i = 0; i < 16; ++i) {
+    if (fabs(p[i]) / PLAN_LARGEST > scale)
+      return plan_fail(error, CSM_ERROR_INVALID_MATRIX, "projection's numbers are too far apart");
     camera->projection[i] = p[i] / scale;
-  if (!plan_finite(camera->projection, 16))
-    return plan_fail(error, CSM_ERROR_INVALID_MATRIX, "projection's numbers are too far apart");
+  }
   p = camera->projection;
   if (fmax(fabs(p[2]), fabs(p[6])) > RESIDUE * fmax(fabs(p[10]), fabs(p[14])))
     return plan_fail(error, CSM_ERROR_INVALID_CAMERA,
@@ -77,6 +78,8 @@ static csm_result scale_projection(plan_camera *camera, const double p[16], cons
   double inverse[16];
   if (!plan_invert(inverse, p))
     return plan_fail(error, CSM_ERROR_INVALID_MATRIX, "projection is singular");
+  if (!plan_within(inverse, 16, PLAN_LARGEST))
+    return plan_fail(error, CSM_ERROR_INVALID_CAMERA, "projection has numbers too far apart to plan with");
   return CSM_SUCCESS;
 }
 
@@ -88,48 +91,61 @@ static csm_result perspective_depths(plan_camera *camera, double *side, const ch
   /* Reversed or not, measured from the near plane's depth towards the far plane's */
   const double to_near = camera->reversed ? 1.0 - limit : limit;
   const double to_far = camera->reversed ? -limit : limit - 1.0;
-  camera->near_depth = fabs(slope) / to_near;
-  camera->far_depth = to_far > 0.0 ? fabs(slope) / to_far : INFINITY;
-  if (!(to_near > 0.0) || !(camera->near_depth > 0.0) || !isfinite(camera->near_depth))
+  const double least = fabs(slope) / PLAN_LARGEST; /* what is smaller puts a plane past the largest distance */
+  if (!(to_near > least) || slope == 0.0)
     return plan_fail(error, CSM_ERROR_INVALID_CAMERA, "projection has no near plane before the camera");
   if (to_far < -INFINITE_DEPTH)
     return plan_fail(error, CSM_ERROR_INVALID_CAMERA, "projection has a near or far plane behind the camera");
+  camera->near_depth = fabs(slope) / to_near;
+  camera->far_depth = to_far > least ? fabs(slope) / to_far : INFINITY;
   return CSM_SUCCESS;
 }
 
 /*
- * A matrix alone does not say which way an orthographic camera looks: the side on which more of its depth lies is taken
- * as its front, and where both have as much, the side on which clip z grows (not reversed).
+ * Clip z grows along view z with the slope's sign: towards the far plane, unless it is reversed. So the matrix and
+ * `reversed` say together which way an orthographic camera looks. Where all depths lie on one side of the camera, that
+ * side is its front, and the matrix alone says it.
  */
-static csm_result orthographic_depths(plan_camera *camera, double *side, const char **error) {
+static csm_result orthographic_depths(plan_camera *camera, double *side, uint32_t reversed, const char **error) {
   const double slope = camera->projection[10], offset = camera->projection[14];
-  if (slope == 0.0)
-    return plan_fail(error, CSM_ERROR_INVALID_MATRIX, "projection is singular: clip z does not change");
-  const double z0 = -offset / slope, z1 = (1.0 - offset) / slope;
-  const double sum = z0 + z1;
-  *side = copysign(1.0, fabs(sum) > RESIDUE * fabs(z1 - z0) ? sum : slope);
+  const double z0 = -offset / slope, z1 = (1.0 - offset) / slope; /* bounded, for so is the matrix's inverse */
+  const double rounding = RESIDUE * fabs(z1 - z0);
+  const bool before = fmin(z0, z1) >= -rounding, behind = fmax(z0, z1) <= rounding;
+  if (reversed == CSM_REVERSED_BY_MATRIX && !before && !behind)
+    return plan_fail(error, CSM_ERROR_INVALID_CAMERA,
+                     "projection is orthographic and holds the camera's place, so it does not tell whether it is "
+                     "reversed: set csm_camera.reversed to CSM_REVERSED_YES or CSM_REVERSED_NO");
+  if (before || behind)
+    *side = before ? 1.0 : -1.0;
+  else
+    *side = copysign(1.0, reversed == CSM_REVERSED_YES ? -slope : slope);
   camera->near_depth = fmin(*side * z0, *side * z1);
   camera->far_depth = fmax(*side * z0, *side * z1);
   camera->reversed = *side * z0 > *side * z1;
-  if (!isfinite(camera->near_depth) || !isfinite(camera->far_depth))
-    return plan_fail(error, CSM_ERROR_INVALID_CAMERA, "projection has its near or far plane beyond what doubles hold");
   return CSM_SUCCESS;
 }
 
-csm_result plan_camera_make(plan_camera *out, const double view[16], const double projection[16], const char **error) {
+csm_result plan_camera_make(plan_camera *out, const double view[16], const double projection[16], uint32_t reversed,
+                            const char **error) {
   plan_camera camera = {0};
   csm_result result = take_view(&camera, view, error);
   if (result)
     return result;
   if (!plan_finite(projection, 16))
     return plan_fail(error, CSM_ERROR_NOT_FINITE, "projection is not finite");
+  if (reversed > CSM_REVERSED_NO)
+    return plan_fail(error, CSM_ERROR_INVALID_VALUE, "reversed is not a CSM_REVERSED_*");
   double side = 0.0;
   result = scale_projection(&camera, projection, error);
   if (!result)
-    result =
-        camera.orthographic ? orthographic_depths(&camera, &side, error) : perspective_depths(&camera, &side, error);
+    result = camera.orthographic ? orthographic_depths(&camera, &side, reversed, error)
+                                 : perspective_depths(&camera, &side, error);
   if (result)
     return result;
+  if (reversed != CSM_REVERSED_BY_MATRIX && camera.reversed != (reversed == CSM_REVERSED_YES))
+    return plan_fail(error, CSM_ERROR_INVALID_CAMERA,
+                     camera.reversed ? "projection is reversed, and csm_camera.reversed says that it is not"
+                                     : "projection is not reversed, and csm_camera.reversed says that it is");
   if (!(camera.near_depth < camera.far_depth))
     return plan_fail(error, CSM_ERROR_INVALID_CAMERA, "projection has its near plane at or beyond its far plane");
   for (int i = 0; i < 3; ++i)

@@ -50,27 +50,24 @@ void plan_view_to_light(double out[3], const plan_camera *camera, const double b
     out[i] = plan_dot(&basis[i * 3], camera->position) + plan_dot(&basis[i * 3], offset);
 }
 
-static void sphere_extent(extent *out, const plan_camera *camera, const double basis[9], const csm_config *config,
-                          double near, double far) {
-  double center[3], radius, inverse[9];
-  if (config->fit_mode == CSM_FIT_CENTROID_SPHERE)
-    plan_slice_centroid_sphere(center, &radius, camera, near, far);
+static void sphere_extent(extent *out, const plan_fit_frame *frame, const double inverse[9],
+                          const double corners[8][3]) {
+  double center[3], radius;
+  if (frame->config->fit_mode == CSM_FIT_CENTROID_SPHERE)
+    plan_slice_centroid_sphere(center, &radius, corners);
   else
-    plan_slice_sphere(center, &radius, camera, near, far);
-  plan_view_rotation_inverse(inverse, camera->view);
-  plan_view_to_light(out->middle, camera, basis, inverse, center);
+    plan_slice_sphere(center, &radius, corners);
+  plan_view_to_light(out->middle, frame->camera, frame->basis, inverse, center);
   out->diameter = 2.0 * radius;
   for (int i = 0; i < 3; ++i)
     out->width[i] = out->diameter;
 }
 
-static void box_extent(extent *out, const plan_camera *camera, const double basis[9], double near, double far) {
-  double corners[8][3], inverse[9], low[3], high[3];
-  plan_slice_corners(corners, camera, near, far);
-  plan_view_rotation_inverse(inverse, camera->view);
+static void box_extent(extent *out, const plan_fit_frame *frame, const double inverse[9], const double corners[8][3]) {
+  double low[3], high[3];
   for (int corner = 0; corner < 8; ++corner) {
     double light[3];
-    plan_view_to_light(light, camera, basis, inverse, corners[corner]);
+    plan_view_to_light(light, frame->camera, frame->basis, inverse, corners[corner]);
     for (int i = 0; i < 3; ++i) {
       low[i] = corner ? fmin(low[i], light[i]) : light[i];
       high[i] = corner ? fmax(high[i], light[i]) : light[i];
@@ -86,6 +83,19 @@ static void box_extent(extent *out, const plan_camera *camera, const double basi
       const double d[3] = {corners[a][0] - corners[b][0], corners[a][1] - corners[b][1], corners[a][2] - corners[b][2]};
       out->diameter = fmax(out->diameter, sqrt(plan_dot(d, d)));
     }
+}
+
+/* False: numbers too large to plan with. */
+static bool slice_extent(extent *out, const plan_fit_frame *frame, double near, double far) {
+  double corners[8][3], inverse[9];
+  if (!plan_slice_corners(corners, frame->camera, near, far))
+    return false;
+  plan_view_rotation_inverse(inverse, frame->camera->view);
+  if (is_sphere(frame->config))
+    sphere_extent(out, frame, inverse, (const double(*)[3])corners);
+  else
+    box_extent(out, frame, inverse, (const double(*)[3])corners);
+  return out->diameter > 1e-12 && out->diameter <= PLAN_LARGEST;
 }
 
 /*
@@ -110,34 +120,33 @@ static double snap(double place, const csm_config *config) {
                                                : round(place / grid) * grid;
 }
 
-csm_result plan_fit_slice(plan_fit *out, const plan_fit_frame *frame, uint32_t cascade, double near, double far,
+csm_result plan_fit_slice(plan_fit *out, const plan_fit_frame *frame, uint32_t cascade, const double depths[2],
                           const char **error) {
+  static const char too_large[] = "view and projection have numbers too large to plan with";
   const csm_config *config = frame->config;
-  const double begin = begins_at_camera(config) ? frame->camera->near_depth : near;
+  const double begin = begins_at_camera(config) ? frame->camera->near_depth : depths[0];
   const uint32_t resolution = plan_resolution(config, cascade);
   extent slice;
-  if (is_sphere(config))
-    sphere_extent(&slice, frame->camera, frame->basis, config, begin, far);
-  else
-    box_extent(&slice, frame->camera, frame->basis, begin, far);
+  if (!slice_extent(&slice, frame, begin, depths[1]))
+    return plan_fail(error, CSM_ERROR_INVALID_CAMERA, too_large);
 
   double middle[2] = {slice.middle[0], slice.middle[1]}, width[2] = {slice.width[0], slice.width[1]};
   if (is_square(config))
     width[0] = width[1] = slice.diameter;
-  if (frame->samples)
-    plan_samples_bound(middle, width, frame, cascade, near, far);
+  if (frame->sample_count)
+    plan_depth_samples_bound(middle, width, frame, cascade, depths);
   size_texels(out->texel, width, config, resolution);
+  const double largest = fmax(fabs(middle[0]), fmax(fabs(middle[1]), fabs(slice.middle[2])));
+  const double finest = fmin(out->texel[0], out->texel[1]);
+  if (!(finest > 1.0 / PLAN_LARGEST) || !(largest < MOST_TEXELS * finest))
+    return plan_fail(error, CSM_ERROR_INVALID_CAMERA, too_large);
+
   for (int i = 0; i < 2; ++i)
     out->origin[i] = snap(middle[i] / out->texel[i] - resolution / 2.0, config);
   out->resolution = resolution;
   out->step = slice.diameter / (2.0 * DEPTH_STEPS_PER_RADIUS);
   out->depth[0] = slice.middle[2] - slice.width[2] / 2.0;
   out->depth[1] = slice.middle[2] + slice.width[2] / 2.0;
-
-  const double largest = fmax(fabs(middle[0]), fmax(fabs(middle[1]), fabs(slice.middle[2])));
-  const double finest = fmin(out->texel[0], out->texel[1]);
-  if (!isfinite(slice.diameter) || !(slice.diameter > 1e-12) || !(finest > 0.0) || !(largest / finest < MOST_TEXELS))
-    return plan_fail(error, CSM_ERROR_INVALID_CAMERA, "view and projection have numbers too large to plan with");
   return CSM_SUCCESS;
 }
 
@@ -222,6 +231,22 @@ plan_area plan_fit_area(const plan_fit *fit, const csm_config *config, const pla
   return area;
 }
 
+/* Light space to the map's unit cube, from there to clip, and to texture coordinates with v down. */
+static void put_matrices(plan_cascade *cascade, const double scale[3], const double origin[3], const double basis[9],
+                         bool reversed) {
+  double *shadow = cascade->info.world_to_shadow;
+  for (int axis = 0; axis < 3; ++axis) {
+    const bool depth = axis == 2, down = axis == 1 || (depth && reversed);
+    const double sign = depth && down ? -1.0 : 1.0;
+    cascade->to_clip[axis * 5] = sign * (depth ? scale[axis] : 2.0 * scale[axis]);
+    cascade->to_clip[axis * 4 + 3] = depth ? (down ? 1.0 + origin[axis] : -origin[axis]) : -2.0 * origin[axis] - 1.0;
+    for (int k = 0; k < 3; ++k)
+      shadow[k * 4 + axis] = (down ? -scale[axis] : scale[axis]) * basis[axis * 3 + k];
+    shadow[12 + axis] = down ? 1.0 + origin[axis] : -origin[axis];
+  }
+  shadow[15] = 1.0;
+}
+
 void plan_fit_place(plan_cascade *cascade, const plan_fit *fit, const plan_area *area, const double basis[9],
                     const csm_config *config) {
   /* In units of the map: its sides along right and up, its range along the light */
@@ -245,17 +270,24 @@ void plan_fit_place(plan_cascade *cascade, const plan_fit *fit, const plan_area 
     cascade->origin_texels[i] = fit->origin[i];
   }
   cascade->resolution = fit->resolution;
+  put_matrices(cascade, scale, origin, basis, config->map_reversed);
+}
 
-  /* Light space to the map's unit cube, from there to clip, and to texture coordinates with v down */
-  double *shadow = cascade->info.world_to_shadow;
-  for (int axis = 0; axis < 3; ++axis) {
-    const bool depth = axis == 2, down = axis == 1 || (depth && config->map_reversed);
-    const double sign = depth && down ? -1.0 : 1.0;
-    cascade->to_clip[axis * 5] = sign * (depth ? scale[axis] : 2.0 * scale[axis]);
-    cascade->to_clip[axis * 4 + 3] = depth ? (down ? 1.0 + origin[axis] : -origin[axis]) : -2.0 * origin[axis] - 1.0;
-    for (int k = 0; k < 3; ++k)
-      shadow[k * 4 + axis] = (down ? -scale[axis] : scale[axis]) * basis[axis * 3 + k];
-    shadow[12 + axis] = down ? 1.0 + origin[axis] : -origin[axis];
-  }
-  shadow[15] = 1.0;
+/*
+ * The intervals end far below every view depth. The matrices put every point of the world at
+ * texture coordinates and a depth of 2. All numbers are such that a shader that computes with them, and throws the
+ * result away, meets no division by 0.
+ */
+void plan_fit_nothing(plan_cascade *cascade, uint32_t index, const double basis[9], const csm_config *config) {
+  const double far_below = -1e27, scale = 1.0 / (1e6 * PLAN_LARGEST);
+  const double origin[3] = {-2.0, 1.0, config->map_reversed ? 1.0 : -2.0}; /* all come out at 2 */
+  const uint32_t to_end = config->cascade_count - index;
+  *cascade = (plan_cascade){.info = {.near_depth = (to_end + 1) * far_below,
+                                     .far_depth = to_end * far_below,
+                                     .texel_size = 1.0,
+                                     .depth_range = 1.0},
+                            .texel = {1.0, 1.0},
+                            .resolution = plan_resolution(config, index),
+                            .list = cascade->list};
+  put_matrices(cascade, (double[]){scale, scale, scale}, origin, basis, config->map_reversed);
 }

@@ -1,16 +1,56 @@
 /* frame.c: the cascades of a frame: where their maps lie, how deep they are, and what they draw. */
 #include "plan/internal.h"
 
-#include <math.h>
+/* Where each cascade lies, before its casters are known, and what of the world may cast into it. */
+typedef struct fitted {
+  plan_fit fits[CSM_MAX_CASCADES];
+  plan_area areas[CSM_MAX_CASCADES];
+} fitted;
 
 static csm_result fit_cascades(plan_frame *frame, plan_fit *fits, const plan_fit_frame *to, const char **error) {
-  double depths[CSM_MAX_CASCADES + 1];
-  csm_result result = plan_splits(depths, to, error);
-  for (uint32_t i = 0; i < frame->cascade_count && !result; ++i) {
-    frame->cascades[i].info.near_depth = depths[i];
-    frame->cascades[i].info.far_depth = depths[i + 1];
-    result = plan_fit_slice(&fits[i], to, i, depths[i], depths[i + 1], error);
+  plan_depths depths;
+  csm_result result = plan_splits(&depths, to, error);
+  frame->unshadowed = !result && depths.none;
+  for (uint32_t i = 0; i < frame->cascade_count && !result && !frame->unshadowed; ++i) {
+    frame->cascades[i].info.near_depth = depths.at[i];
+    frame->cascades[i].info.far_depth = depths.at[i + 1];
+    result = plan_fit_slice(&fits[i], to, i, &depths.at[i], error);
   }
+  return result;
+}
+
+static csm_result take_origin(plan_frame *frame, const double *origin, const char **error) {
+  if (origin && !plan_finite(origin, 3))
+    return plan_fail(error, CSM_ERROR_NOT_FINITE, "origin is not finite");
+  if (origin && !plan_within(origin, 3, PLAN_LARGEST))
+    return plan_fail(error, CSM_ERROR_INVALID_VALUE, "origin is farther away than 1e30 m");
+  for (int i = 0; i < 3; ++i)
+    frame->origin[i] = origin ? origin[i] : frame->camera.position[i];
+  return CSM_SUCCESS;
+}
+
+/* The camera, the light, and where each cascade lies. */
+static csm_result fit_frame(plan_frame *frame, plan_fit *fits, const plan_frame_info *info, const char **error) {
+  csm_result result = plan_camera_make(&frame->camera, info->view, info->projection, info->reversed, error);
+  if (!result)
+    result = take_origin(frame, info->origin, error);
+  if (!result)
+    result = plan_light_make(frame->basis, info->config, info->light, info->before, error);
+  if (result)
+    return result;
+  const plan_fit_frame to = {.config = info->config,
+                             .camera = &frame->camera,
+                             .basis = frame->basis,
+                             .samples = info->samples,
+                             .sample_count = plan_depth_samples_usable(info, &frame->camera) ? info->sample_count : 0,
+                             .before = info->before,
+                             .after = &frame->history};
+  result = fit_cascades(frame, fits, &to, error);
+  if (frame->unshadowed && info->before) /* what was fitted waits until there are shadows again */
+    frame->history = *info->before;
+  frame->history.has_light = true;
+  for (int i = 0; i < 9; ++i)
+    frame->history.basis[i] = frame->basis[i];
   return result;
 }
 
@@ -21,48 +61,49 @@ static double largest_texel(const plan_fit *fits, uint32_t count) {
   return largest;
 }
 
-csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *memory, const char **error) {
+/* What each cascade draws, and where its casters begin. */
+static void cull(plan_frame *frame, fitted *fitted, const plan_frame_info *info, plan_lists *lists) {
   const csm_config *config = info->config;
-  plan_frame frame = {.cascade_count = config->cascade_count};
-  plan_fit fits[CSM_MAX_CASCADES];
-  csm_result result = plan_camera_make(&frame.camera, info->view, info->projection, error);
-  if (!result)
-    result = plan_light_make(frame.basis, config, info->light, info->before, error);
-  if (result)
-    return result;
-
-  const plan_fit_frame to = {.config = config,
-                             .camera = &frame.camera,
-                             .basis = frame.basis,
-                             .samples =
-                                 plan_samples_usable(info->samples, &frame.camera, config) ? info->samples : NULL,
-                             .before = info->before,
-                             .after = &frame.history};
-  result = fit_cascades(&frame, fits, &to, error);
-  if (result)
-    return result;
-  frame.history.has_light = true;
-  for (int i = 0; i < 9; ++i)
-    frame.history.basis[i] = frame.basis[i];
-
   plan_scene_box box = {0};
   if (config->depth_mode == CSM_DEPTH_SCENE || config->depth_mode == CSM_DEPTH_SCENE_CLIPPED)
-    plan_scene_bounds(&box, frame.basis, info->scene);
-  plan_area areas[CSM_MAX_CASCADES];
+    plan_scene_bounds(&box, frame->basis, info->scene);
   plan_hull hull = {0};
   if (config->caster_set == CSM_CASTER_SET_VIEW)
-    plan_view_hull(&hull, &frame.camera, frame.basis, frame.cascades[frame.cascade_count - 1].info.far_depth,
-                   largest_texel(fits, frame.cascade_count) * plan_padding_texels(config));
-  plan_lists lists = {.count = frame.cascade_count, .sides = true};
-  for (uint32_t i = 0; i < frame.cascade_count; ++i) {
-    areas[i] = plan_fit_area(&fits[i], config, &box);
+    plan_view_hull(&hull, &frame->camera, frame->basis, frame->cascades[frame->cascade_count - 1].info.far_depth,
+                   largest_texel(fitted->fits, frame->cascade_count) * plan_padding_texels(config));
+  for (uint32_t i = 0; i < frame->cascade_count; ++i)
+    fitted->areas[i] = plan_fit_area(&fitted->fits[i], config, &box);
+  const plan_light_cull to = {
+      .basis = frame->basis, .hull = &hull, .layers = info->light_layers, .areas = fitted->areas, .cache = info->cache};
+  plan_cull_light(lists, &to, info->scene);
+}
+
+csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *memory, const char **error) {
+  plan_frame frame = {.cascade_count = info->config->cascade_count, .slot_count = info->scene->slot_count};
+  fitted fitted;
+  const csm_result result = fit_frame(&frame, fitted.fits, info, error);
+  if (result)
+    return result;
+  plan_lists lists = {.count = frame.cascade_count, .sides = true, .among = info->scene->caster_count};
+  for (uint32_t i = 0; i < frame.cascade_count; ++i)
     lists.lists[i] = &frame.cascades[i].list;
-  }
   plan_lists_begin(&lists, info->scene, memory);
-  plan_cull_light(&lists, areas, frame.basis, &hull, info->scene);
+  frame.drawn = lists.masks;
+  if (!frame.unshadowed)
+    cull(&frame, &fitted, info, &lists);
   plan_lists_end(&lists, info->scene);
   for (uint32_t i = 0; i < frame.cascade_count; ++i)
-    plan_fit_place(&frame.cascades[i], &fits[i], &areas[i], frame.basis, config);
+    if (frame.unshadowed)
+      plan_fit_nothing(&frame.cascades[i], i, frame.basis, info->config);
+    else
+      plan_fit_place(&frame.cascades[i], &fitted.fits[i], &fitted.areas[i], frame.basis, info->config);
   *out = frame;
   return CSM_SUCCESS;
+}
+
+void plan_history_reconfigure(plan_history *history) {
+  plan_history kept = {.has_light = history->has_light};
+  for (int i = 0; i < 9; ++i)
+    kept.basis[i] = history->basis[i];
+  *history = kept;
 }

@@ -40,8 +40,9 @@ static uint64_t add_matrices(uint64_t hash, const plan_frame *frame, uint32_t ca
   double rows[3][4];
   plan_cascade_to_clip(rows, frame, cascade);
   for (uint32_t i = 0; i < list->instance_count; ++i) {
+    const plan_instance *instance = &scene->instances[list->instances[i]];
     float matrix[12];
-    plan_instance_to_clip(matrix, rows, &scene->instances[list->instances[i]]);
+    plan_instance_to_clip(matrix, (const double(*)[4])rows, instance, &scene->meshes[instance->mesh]);
     hash = add(hash, matrix, sizeof matrix);
   }
   return hash;
@@ -53,6 +54,7 @@ uint64_t plan_hash(const plan_frame *frame, const csm_config *config, const plan
   hash = add(hash, config, sizeof *config);
   hash = add(hash, constants, plan_write_constants(constants, frame, config));
   hash = add(hash, frame->camera.position, sizeof frame->camera.position);
+  hash = add(hash, frame->origin, sizeof frame->origin);
   for (uint32_t i = 0; i < frame->cascade_count; ++i) {
     hash = add(hash, &frame->cascades[i].info, sizeof frame->cascades[i].info);
     hash = add_list(hash, &frame->cascades[i].list);

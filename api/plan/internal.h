@@ -4,6 +4,8 @@
 
 #include "plan/plan.h"
 
+#include <math.h>
+
 /* Largest Frobenius norm of transpose(view) * view - 1 at which a view still counts as rigid. */
 #define PLAN_RIGID_TOLERANCE 1e-3
 
@@ -16,7 +18,10 @@ void plan_cross(double out[3], const double a[3], const double b[3]);
 /* Of any length but 0: also one whose square would overflow or vanish. False: zero, or not finite. */
 bool plan_normalize(double v[3]);
 
-/* The nearest float; what a float cannot hold becomes the largest one, and no result is NaN. */
+/* Whether all values are finite and no larger than `most`, which is above 0. */
+bool plan_within(const double *values, uint32_t count, double most);
+
+/* The nearest float; what a float cannot hold becomes the largest one. */
 static inline float plan_float(double value) {
   const double limit = 3.4028234663852886e38;
   const double above = value > -limit ? value : -limit;
@@ -28,6 +33,27 @@ static inline csm_result plan_fail(const char **error, csm_result result, const 
   if (error)
     *error = text;
   return result;
+}
+
+/* ---- instances ---- */
+/* A mesh's bounds placed in the world: a box with three half-axes. */
+typedef struct plan_placed {
+  double center[3], axes[3][3];
+} plan_placed;
+
+static inline void plan_place(plan_placed *out, const plan_instance *instance, const plan_bounds *bounds) {
+  for (int i = 0; i < 3; ++i) {
+    const double *row = &instance->transform[i * 4];
+    out->center[i] = plan_dot(row, bounds->center) + row[3];
+    for (int k = 0; k < 3; ++k)
+      out->axes[k][i] = row[k] * bounds->extent[k];
+  }
+}
+
+/* How far the box reaches from its centre along a direction. */
+static inline double plan_reach(const plan_placed *box, const double direction[3]) {
+  return fabs(plan_dot(box->axes[0], direction)) + fabs(plan_dot(box->axes[1], direction)) +
+         fabs(plan_dot(box->axes[2], direction));
 }
 
 /* ---- camera ---- */
@@ -49,37 +75,40 @@ typedef struct plan_fit_frame {
   const csm_config *config;
   const plan_camera *camera;
   const double *basis;
-  const plan_samples *samples; /* NULL: nothing is fitted to them */
-  const plan_history *before;  /* may be NULL */
+  const plan_depth_samples *samples; /* of each view */
+  uint32_t sample_count;             /* 0: nothing is fitted to them */
+  const plan_history *before;        /* may be NULL */
   plan_history *after;
 } plan_fit_frame;
 
 /* ---- splits ---- */
-/*
- * Where the cascades begin and end, as view depth: count + 1 values, strictly rising, the last one the end of the
- * shadows exactly. INVALID_CAMERA: there is nothing between the near plane and that end.
- */
-csm_result plan_splits(double *depths, const plan_fit_frame *frame, const char **error);
+/* Where the cascades begin and end, as view depth. */
+typedef struct plan_depths {
+  double at[CSM_MAX_CASCADES + 1]; /* count + 1 values, strictly rising, the last one the end of the shadows exactly */
+  bool none;                       /* the near plane is at or beyond that end, and `at` is not filled */
+} plan_depths;
+/* INVALID_CAMERA: there is no room for so many cascades. */
+csm_result plan_splits(plan_depths *out, const plan_fit_frame *frame, const char **error);
 
-/* ---- samples ---- */
-/* Whether what was seen then says enough of what a camera sees now. */
-bool plan_samples_usable(const plan_samples *samples, const plan_camera *camera, const csm_config *config);
+/* ---- depth samples ---- */
+/* Whether what all views saw then says enough of what a camera sees now. */
+bool plan_depth_samples_usable(const plan_frame_info *info, const plan_camera *camera);
 /* Narrows the range of depths that splits divide. */
-void plan_samples_range(double *near, double *end, const plan_fit_frame *frame);
+void plan_depth_samples_range(double *near, double *end, const plan_fit_frame *frame);
 /* Narrows what a map covers of light space, along right and up. */
-void plan_samples_bound(double middle[2], double width[2], const plan_fit_frame *frame, uint32_t cascade, double near,
-                        double far);
+void plan_depth_samples_bound(double middle[2], double width[2], const plan_fit_frame *frame, uint32_t cascade,
+                              const double depths[2]);
 
 /* ---- slices ---- */
-/* The corners in view space of what lies between two view depths: four of its near face, then of its far one. */
-void plan_slice_corners(double corners[8][3], const plan_camera *camera, double near, double far);
 /*
- * The least sphere, in view space, around what lies between two view depths; see sphere.c. Depends on the projection
- * alone. The result is infinite or NaN where numbers overflow.
+ * The corners in view space of what lies between two view depths: four of its near face, then of its far one. False:
+ * numbers above PLAN_LARGEST.
  */
-void plan_slice_sphere(double center[3], double *radius, const plan_camera *camera, double near, double far);
+bool plan_slice_corners(double corners[8][3], const plan_camera *camera, double near, double far);
+/* The least sphere, in view space, around a slice; see sphere.c. Depends on the projection alone. */
+void plan_slice_sphere(double center[3], double *radius, const double corners[8][3]);
 /* The sphere around the mean of its corners, likewise. */
-void plan_slice_centroid_sphere(double center[3], double *radius, const plan_camera *camera, double near, double far);
+void plan_slice_centroid_sphere(double center[3], double *radius, const double corners[8][3]);
 /* A point of a camera's view space in light space; `inverse` is plan_view_rotation_inverse's. */
 void plan_view_to_light(double out[3], const plan_camera *camera, const double basis[9], const double inverse[9],
                         const double view[3]);
@@ -110,9 +139,11 @@ typedef struct plan_scene_box {
 } plan_scene_box;
 
 /* INVALID_CAMERA: numbers too large to plan with. */
-csm_result plan_fit_slice(plan_fit *out, const plan_fit_frame *frame, uint32_t cascade, double near, double far,
+csm_result plan_fit_slice(plan_fit *out, const plan_fit_frame *frame, uint32_t cascade, const double depths[2],
                           const char **error);
 plan_area plan_fit_area(const plan_fit *fit, const csm_config *config, const plan_scene_box *box);
+/* Makes a cascade that holds no point, and into which nothing casts. */
+void plan_fit_nothing(plan_cascade *cascade, uint32_t index, const double basis[9], const csm_config *config);
 /* Writes the cascade's matrices, now that its casters are known. */
 void plan_fit_place(plan_cascade *cascade, const plan_fit *fit, const plan_area *area, const double basis[9],
                     const csm_config *config);
@@ -129,21 +160,38 @@ double plan_filter_reach_texels(const csm_config *config);
 double plan_padding_texels(const csm_config *config);
 
 /* ---- culling ---- */
+/*
+ * The hull of eight points is made of two chains, from the first point to the last and back. A chain has at most all
+ * eight, and rounding may put a point that lies next to a chain on both. Each chain's last point is the other's first.
+ */
+enum { PLAN_HULL_MOST = 2 * (8 - 1) };
+
 /* What a camera sees until the shadows end, across the light: the half-planes around it. */
 typedef struct plan_hull {
-  double normals[8][2], offsets[8]; /* inside: dot(normal, xy) <= offset */
-  uint32_t count;                   /* 0: nothing is left out */
+  double normals[PLAN_HULL_MOST][2], offsets[PLAN_HULL_MOST]; /* inside: dot(normal, xy) <= offset */
+  uint32_t count;                                             /* 0: nothing is left out */
 } plan_hull;
-/* The hull, with so many metres of room around it. */
+/* The hull up to a view depth, with so many metres of room around it. */
 void plan_view_hull(plan_hull *out, const plan_camera *camera, const double basis[9], double end, double room);
 void plan_scene_bounds(plan_scene_box *out, const double basis[9], const plan_scene *scene);
+
+/* Boxes of casters in light space, a block of slots after the other; one that is not a caster's meets no area. */
+enum { PLAN_BLOCK = 64 };
+typedef struct plan_light_block {
+  double low[3][PLAN_BLOCK], high[3][PLAN_BLOCK];
+} plan_light_block;
+/* Where the cache keeps the boxes, which it now has for this light; NULL: it cannot. */
+const plan_light_block *plan_cache_fill(plan_cache *cache, const double basis[9], const plan_scene *scene);
+/* The boxes of the slots from `first` on. */
+void plan_light_block_make(plan_light_block *out, const double basis[9], const plan_scene *scene, uint32_t first);
 
 /* The lists of a plan while they are made. */
 typedef struct plan_lists {
   plan_list *lists[CSM_MAX_CASCADES];
   uint32_t count;
   bool sides;       /* mirrored instances are drawn apart */
-  uint8_t *masks;   /* for each instance: bit i is set if list i holds it */
+  uint32_t among;   /* instances that might be drawn */
+  uint8_t *masks;   /* by slot, a whole number of blocks: bit i is set if list i holds it */
   uint32_t *counts; /* [plan_list_key * count + list]: instances of that key in the list */
 } plan_lists;
 
@@ -152,21 +200,31 @@ static inline uint32_t plan_list_key(const plan_lists *lists, const plan_instanc
   return instance->mesh * 2 + (lists->sides ? instance->mirrored : 0);
 }
 
-/* Lays the lists out in memory of plan_memory_size bytes, with empty counts. */
+/* Lays the lists out in memory of plan_memory_size bytes, all empty. */
 void plan_lists_begin(plan_lists *lists, const plan_scene *scene, void *memory);
 /* Fills every list from masks and counts. */
 void plan_lists_end(plan_lists *lists, const plan_scene *scene);
 
+/* What casters are tested against. */
+typedef struct plan_light_cull {
+  const double *basis;
+  const plan_hull *hull;
+  uint32_t layers; /* 0: all */
+  plan_area *areas;
+  plan_cache *cache; /* may be NULL */
+} plan_light_cull;
 /* Notes in list i what casts into area i, and how far towards the light those casters reach. */
-void plan_cull_light(plan_lists *lists, plan_area *areas, const double basis[9], const plan_hull *hull,
-                     const plan_scene *scene);
+void plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const plan_scene *scene);
 /* Notes in the one list what may be in the camera's clip volume. */
 void plan_cull_view(plan_lists *lists, const plan_camera *camera, const plan_scene *scene);
 
 /* ---- packing ---- */
 /* World to clip of a cascade: three rows of four. */
 void plan_cascade_to_clip(double rows[3][4], const plan_frame *frame, uint32_t cascade);
+/* The transform of positions as they are stored. */
+void plan_stored_transform(double out[12], const plan_instance *instance, const plan_bounds *bounds);
 /* Object to clip of one instance: three rows of four. */
-void plan_instance_to_clip(float out[12], const double rows[3][4], const plan_instance *instance);
+void plan_instance_to_clip(float out[12], const double rows[3][4], const plan_instance *instance,
+                           const plan_bounds *bounds);
 
 #endif

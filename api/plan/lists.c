@@ -15,31 +15,37 @@ typedef struct memory_layout {
   size_t counts, masks, draws, instances, list_stride, size;
 } memory_layout;
 
-static memory_layout lay_out(uint32_t instance_count, uint32_t mesh_count, uint32_t list_count) {
+/* One for each slot of whole blocks. */
+static size_t mask_bytes(uint32_t slot_count) {
+  return ((size_t)slot_count + PLAN_BLOCK - 1) / PLAN_BLOCK * PLAN_BLOCK;
+}
+
+static memory_layout lay_out(uint32_t slot_count, uint32_t mesh_count, uint32_t list_count) {
   const uint32_t keys = mesh_count * 2;
-  const uint32_t most_draws = instance_count < keys ? instance_count : keys;
+  const uint32_t most_draws = slot_count < keys ? slot_count : keys;
   memory_layout layout = {0};
   size_t at = 0;
   layout.counts = take(&at, (size_t)keys * list_count, sizeof(uint32_t));
-  layout.masks = take(&at, instance_count, sizeof(uint8_t));
+  layout.masks = take(&at, mask_bytes(slot_count), sizeof(uint8_t));
   layout.draws = take(&at, most_draws, sizeof(plan_draw));
-  layout.instances = take(&at, instance_count, sizeof(uint32_t));
+  layout.instances = take(&at, slot_count, sizeof(uint32_t));
   layout.list_stride = at - layout.draws;
   layout.size = layout.draws + layout.list_stride * list_count;
   return layout;
 }
 
-size_t plan_memory_size(uint32_t instance_count, uint32_t mesh_count, uint32_t cascade_count) {
-  return lay_out(instance_count, mesh_count, cascade_count ? cascade_count : 1).size;
+size_t plan_memory_size(uint32_t slot_count, uint32_t mesh_count, uint32_t cascade_count) {
+  return lay_out(slot_count, mesh_count, cascade_count ? cascade_count : 1).size;
 }
 
 void plan_lists_begin(plan_lists *lists, const plan_scene *scene, void *memory) {
-  const memory_layout layout = lay_out(scene->instance_count, scene->mesh_count, lists->count);
+  const memory_layout layout = lay_out(scene->slot_count, scene->mesh_count, lists->count);
   char *const base = memory;
-  if (scene->instance_count == 0)
+  if (scene->slot_count == 0)
     return;
   lists->counts = (uint32_t *)(base + layout.counts);
   lists->masks = (uint8_t *)(base + layout.masks);
+  memset(lists->masks, 0, mask_bytes(scene->slot_count));
   memset(lists->counts, 0, (size_t)scene->mesh_count * 2 * lists->count * sizeof *lists->counts);
   for (uint32_t i = 0; i < lists->count; ++i) {
     lists->lists[i]->draws = (plan_draw *)(base + layout.draws + i * layout.list_stride);
@@ -61,18 +67,26 @@ static void make_draws(plan_lists *lists, uint32_t index, uint32_t mesh_count) {
   }
 }
 
-void plan_lists_end(plan_lists *lists, const plan_scene *scene) {
-  if (scene->instance_count == 0)
-    return;
-  for (uint32_t i = 0; i < lists->count; ++i) {
-    make_draws(lists, i, scene->mesh_count);
-    lists->lists[i]->culled = scene->instance_count - lists->lists[i]->instance_count;
+/* Puts a slot into every list that its mask names. */
+static void place(plan_lists *lists, const plan_scene *scene, uint32_t slot) {
+  uint32_t *places = &lists->counts[(size_t)plan_list_key(lists, &scene->instances[slot]) * lists->count];
+  for (uint32_t mask = lists->masks[slot]; mask; mask &= mask - 1) {
+    const uint32_t list = (uint32_t)__builtin_ctz(mask);
+    lists->lists[list]->instances[places[list]++] = slot;
   }
-  for (uint32_t instance = 0; instance < scene->instance_count; ++instance) {
-    uint32_t *places = &lists->counts[(size_t)plan_list_key(lists, &scene->instances[instance]) * lists->count];
-    for (uint32_t mask = lists->masks[instance]; mask; mask &= mask - 1) {
-      const uint32_t list = (uint32_t)__builtin_ctz(mask);
-      lists->lists[list]->instances[places[list]++] = instance;
-    }
+}
+
+void plan_lists_end(plan_lists *lists, const plan_scene *scene) {
+  for (uint32_t i = 0; i < lists->count; ++i) {
+    if (scene->slot_count)
+      make_draws(lists, i, scene->mesh_count);
+    lists->lists[i]->culled = lists->among - lists->lists[i]->instance_count;
+  }
+  uint64_t several; /* masks at a time: most are empty */
+  for (uint32_t first = 0; first < scene->slot_count; first += sizeof several) {
+    memcpy(&several, &lists->masks[first], sizeof several);
+    for (uint32_t i = 0; several && i < sizeof several; ++i)
+      if (lists->masks[first + i])
+        place(lists, scene, first + i);
   }
 }

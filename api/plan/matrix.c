@@ -1,7 +1,9 @@
 /* matrix.c: the few matrix operations that a plan needs, for numbers of any scale. */
 #include "plan/internal.h"
 
+#include <float.h>
 #include <math.h>
+#include <string.h>
 
 void plan_multiply(double out[16], const double a[16], const double b[16]) {
   for (int column = 0; column < 4; ++column)
@@ -84,6 +86,16 @@ static bool eliminate(double m[16], double inverse[16]) {
   return true;
 }
 
+/* Multiplies by a power of two; false: the product is too large for a double. */
+static bool scale_binary(double *value, int power) {
+  int exponent;
+  (void)frexp(*value, &exponent);
+  if (*value != 0.0 && exponent + power > DBL_MAX_EXP)
+    return false;
+  *value = ldexp(*value, power);
+  return true;
+}
+
 bool plan_invert(double out[16], const double m[16]) {
   if (!plan_finite(m, 16))
     return false;
@@ -96,19 +108,28 @@ bool plan_invert(double out[16], const double m[16]) {
   /* scaled = 2^rows m 2^columns, hence its inverse's rows take the columns' scales and the other way round */
   for (int column = 0; column < 4; ++column)
     for (int row = 0; row < 4; ++row)
-      inverse[column * 4 + row] = ldexp(inverse[column * 4 + row], columns[row] + rows[column]);
-  if (!plan_finite(inverse, 16))
-    return false;
+      if (!scale_binary(&inverse[column * 4 + row], columns[row] + rows[column]))
+        return false;
   for (int i = 0; i < 16; ++i)
     out[i] = inverse[i];
   return true;
 }
 
 bool plan_finite(const double *values, uint32_t count) {
-  double sum = 0.0;
-  for (uint32_t i = 0; i < count; ++i)
-    sum += values[i] * 0.0; /* NaN for infinities and NaN, and no branch */
-  return sum == 0.0;
+  return plan_within(values, count, DBL_MAX);
+}
+
+/* By their bits, which a comparison of NaN would raise an exception for: those of positive numbers rise with them. */
+bool plan_within(const double *values, uint32_t count, double most) {
+  uint64_t limit, largest = 0;
+  memcpy(&limit, &most, sizeof limit);
+  for (uint32_t i = 0; i < count; ++i) {
+    uint64_t bits;
+    memcpy(&bits, &values[i], sizeof bits);
+    bits &= INT64_MAX;
+    largest = bits > largest ? bits : largest;
+  }
+  return largest <= limit;
 }
 
 void plan_cross(double out[3], const double a[3], const double b[3]) {
@@ -118,8 +139,10 @@ void plan_cross(double out[3], const double a[3], const double b[3]) {
 }
 
 bool plan_normalize(double v[3]) {
+  if (!plan_finite(v, 3))
+    return false;
   const double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
-  if (!(largest > 0.0) || !plan_finite(v, 3))
+  if (largest == 0.0)
     return false;
   int exponent;
   (void)frexp(largest, &exponent);
@@ -152,8 +175,4 @@ csm_result plan_check_affine(const double m[16]) {
   const bool affine =
       fabs(m[3]) <= last_row && fabs(m[7]) <= last_row && fabs(m[11]) <= last_row && fabs(m[15] - 1.0) <= last_row;
   return affine && fabs(unit_volume(m)) > dependent ? CSM_SUCCESS : CSM_ERROR_INVALID_MATRIX;
-}
-
-bool plan_mirrors(const double m[16]) {
-  return unit_volume(m) < 0.0;
 }

@@ -2,8 +2,10 @@
  * plan.h: what a frame of cascades needs, computed in doubles from what the engine says. Pure: no GPU, no I/O, no
  * globals, no allocation. The same plan, byte for byte, serves every backend.
  *
- * A plan is made in two steps: plan_frame_make computes the cascades and which instances each one draws, into memory
- * of the caller's; plan_write_* then write the floats that shaders read, wherever the caller wants them.
+ * A plan is made in two steps. plan_frame_make computes the cascades and which instances each one draws, into memory
+ * of the caller's. plan_write_* then write the floats that shaders read, wherever the caller wants them.
+ *
+ * No function raises a floating-point exception other than inexact and underflow.
  */
 #ifndef PLAN_H
 #define PLAN_H
@@ -17,8 +19,6 @@ bool plan_invert(double out[16], const double m[16]);                       /* f
 bool plan_finite(const double *values, uint32_t count);
 /* CSM_SUCCESS, NOT_FINITE, or INVALID_MATRIX: the last row is not 0 0 0 1, or the columns are dependent. */
 csm_result plan_check_affine(const double m[16]);
-/* Whether an affine matrix turns the faces of what it transforms around. */
-bool plan_mirrors(const double m[16]);
 
 /* ---- camera ---- */
 typedef struct plan_camera {
@@ -31,11 +31,15 @@ typedef struct plan_camera {
   bool orthographic;
 } plan_camera;
 /*
+ * `reversed` is CSM_REVERSED_*. A perspective matrix tells it, and so does an orthographic one whose near and far plane
+ * lie on one side of the camera. Any other orthographic matrix needs to be told.
  * CSM_SUCCESS; NOT_FINITE; INVALID_MATRIX (view not affine or not rigid up to a mirroring, projection singular);
  * INVALID_CAMERA (near >= far, no usable near plane, a projection that is neither perspective nor orthographic along
- * view z). `error` gets a sentence.
+ * view z, one that does not tell whether it is reversed or says otherwise than `reversed`, numbers too large);
+ * INVALID_VALUE (`reversed`). `error` gets a sentence.
  */
-csm_result plan_camera_make(plan_camera *out, const double view[16], const double projection[16], const char **error);
+csm_result plan_camera_make(plan_camera *out, const double view[16], const double projection[16], uint32_t reversed,
+                            const char **error);
 
 /* ---- light ---- */
 /* Rows right, up, along: orthonormal to 1e-15, for every direction; `along` is the normalised direction of travel. */
@@ -65,24 +69,81 @@ typedef struct plan_layout {
 /* Lays out the maps of a checked configuration. */
 void plan_layout_make(plan_layout *out, const csm_config *config);
 
-/* ---- a frame ---- */
+/* ---- a scene ---- */
+/* Numbers of a transform, and places in the world, may be so large, in metres. */
+#define PLAN_LARGEST 1e30
+
 typedef struct plan_bounds { /* of a mesh, in object space */
   double center[3], extent[3];
+  /*
+   * Positions are stored less this, which instance matrices add again. Each is 0, or a float so near to all positions
+   * along its axis that the difference is exact in floats.
+   */
+  double offset[3];
 } plan_bounds;
+
+/* Fills in center, extent and offset. Preconditions: finite, low <= high. */
+void plan_bounds_make(plan_bounds *out, const float low[3], const float high[3]);
+/* Bounds of positions that are stored as they are: an engine's own buffers. */
+void plan_bounds_in_place(plan_bounds *out, const float low[3], const float high[3]);
+
+/* Of an instance; 0 casts and receives. */
+enum {
+  PLAN_CASTS_ONLY = 1u << 0,    /* no camera sees it */
+  PLAN_RECEIVES_ONLY = 1u << 1, /* it casts no shadow */
+  PLAN_HIDDEN = 1u << 2,        /* neither */
+  PLAN_FLAGS = 7u,              /* all of the above, which a caller may set */
+  PLAN_FREE = 1u << 3,          /* the slot holds no instance */
+  PLAN_DEGENERATE = 1u << 4     /* the transform leaves no area: nothing is drawn */
+};
 
 typedef struct plan_instance {
   double transform[12]; /* object to world: three rows of four */
   uint32_t mesh;        /* index into the meshes' bounds */
   uint32_t mirrored;    /* 1: the transform turns its faces around */
+  uint32_t flags;       /* PLAN_CASTS_ONLY to PLAN_DEGENERATE */
+  uint32_t layers;      /* bits that a light's must meet; 0: all */
 } plan_instance;
 
+static inline bool plan_casts(const plan_instance *instance) {
+  return !(instance->flags & (PLAN_RECEIVES_ONLY | PLAN_HIDDEN | PLAN_FREE | PLAN_DEGENERATE));
+}
+
+static inline bool plan_receives(const plan_instance *instance) {
+  return !(instance->flags & (PLAN_CASTS_ONLY | PLAN_HIDDEN | PLAN_FREE | PLAN_DEGENERATE));
+}
+
+/* A box in the world, axis by axis. */
+typedef struct plan_box {
+  double low[3], high[3];
+} plan_box;
+
+/*
+ * Instances by slot. A revision is the number of changes so far, and a change is one slot's: changes number r and
+ * r + n are followed by revision r + n + 1. Change number r lies at journal[r % journal_size].
+ */
 typedef struct plan_scene {
-  const plan_instance *instances;
-  uint32_t instance_count;
+  const plan_instance *instances; /* by slot */
+  const plan_box *boxes;          /* by slot, around what its mesh fills; unused where PLAN_FREE */
+  const uint64_t *revisions;      /* by slot: after the slot's last change */
+  uint32_t slot_count;
+  uint32_t caster_count, receiver_count; /* of plan_casts, of plan_receives */
   const plan_bounds *meshes;
   uint32_t mesh_count;
+  uint64_t identity; /* of what the instances belong to; 0: revisions say nothing, and nothing is kept */
+  uint64_t revision;
+  uint64_t journal_from; /* the first change that the journal still holds */
+  const uint32_t *journal;
+  uint32_t journal_size; /* a power of two, or 0 */
 } plan_scene;
 
+/* Sets mirrored, and PLAN_DEGENERATE in flags. Errors: those of plan_check_affine, but for dependent columns;
+ * INVALID_MATRIX: numbers above PLAN_LARGEST. */
+csm_result plan_instance_check(plan_instance *instance);
+/* The box of an instance that is not free. */
+void plan_instance_box(plan_box *out, const plan_instance *instance, const plan_bounds *bounds);
+
+/* ---- a frame ---- */
 /* One draw call: instances of one mesh, whose matrices lie one after the other. */
 typedef struct plan_draw {
   uint32_t mesh;
@@ -93,19 +154,19 @@ typedef struct plan_draw {
 
 /* What one cascade, or the camera, draws. */
 typedef struct plan_list {
-  uint32_t *instances; /* visible, ordered by mesh, then by side, then by index */
+  uint32_t *instances; /* slots, ordered by mesh, then by side, then by slot */
   plan_draw *draws;
   uint32_t instance_count, draw_count;
-  uint32_t culled;
+  uint32_t culled; /* casters, or receivers, that are not drawn */
 } plan_list;
 
-/* What a camera saw: the least and the greatest depth in each square tile of its depth buffer, rows from the top. */
-typedef struct plan_samples {
+/* What a view saw: the least and the greatest depth in each square tile of its depth buffer, rows from the top. */
+typedef struct plan_depth_samples {
   plan_camera camera;
   uint32_t width, height, tile_px;
   uint32_t columns, rows;   /* 0: nothing is known */
   const float (*depths)[2]; /* as in the buffer; the first is above the second where there was no surface */
-} plan_samples;
+} plan_depth_samples;
 
 /* A size, as steps of a logarithm. */
 typedef struct plan_steps {
@@ -121,6 +182,9 @@ typedef struct plan_history {
   plan_steps bound_steps[CSM_MAX_CASCADES][2]; /* by which each map was narrowed */
 } plan_history;
 
+/* Forgets what belongs to a configuration, and keeps how the maps are turned about the light. */
+void plan_history_reconfigure(plan_history *history);
+
 typedef struct plan_cascade {
   csm_cascade_info info;
   double texel[2];         /* metres along right and up */
@@ -132,32 +196,60 @@ typedef struct plan_cascade {
 
 typedef struct plan_frame {
   plan_camera camera;
+  /*
+   * The world position that constants are relative to. A float holds a position relative to it to 2^-24 of their
+   * distance, so it lies near to what is shaded.
+   */
+  double origin[3];
   double basis[9];
   uint32_t cascade_count;
+  bool unshadowed; /* the near plane is at or beyond the end of shadows: nothing is drawn, and no point is in a map */
   plan_cascade cascades[CSM_MAX_CASCADES];
+  const uint8_t *drawn; /* by slot: bit i is set if cascade i draws it; NULL if there are no slots */
+  uint32_t slot_count;
   plan_history history; /* for the next frame */
 } plan_frame;
+
+/*
+ * Keeps the instances' boxes in light space from plan to plan, so that only those of changed instances are computed.
+ * The plan is the same with it and without. Zero is an empty one. The owner sets memory and slots, and gives it a new
+ * memory only together with keeps = false.
+ */
+typedef struct plan_cache {
+  void *memory;   /* plan_cache_size(slots) bytes, aligned to 16 */
+  uint32_t slots; /* that there is room for; a scene with more of them is planned without the cache */
+  bool keeps;     /* what follows says what the memory holds */
+  uint64_t identity, revision;
+  double basis[9];
+} plan_cache;
+
+size_t plan_cache_size(uint32_t slot_count);
 
 typedef struct plan_frame_info {
   const csm_config *config;
   const double *view, *projection, *light; /* 16, 16 and 3 */
+  uint32_t reversed;                       /* CSM_REVERSED_* */
+  uint32_t light_layers;                   /* instances of other layers cast nothing; 0: all */
+  const double *origin;                    /* 3; NULL: the camera's position */
   const plan_scene *scene;
-  const plan_history *before;  /* the last frame's; may be NULL */
-  const plan_samples *samples; /* of an earlier frame; may be NULL */
+  plan_cache *cache;                 /* may be NULL */
+  const plan_history *before;        /* the last frame's; may be NULL */
+  const plan_depth_samples *samples; /* of earlier frames, one for each view */
+  uint32_t sample_count;
 } plan_frame_info;
 
-/* Bytes of memory, aligned to 16, that a plan of so many instances, meshes and cascades (0 for a camera's) needs. */
-size_t plan_memory_size(uint32_t instance_count, uint32_t mesh_count, uint32_t cascade_count);
+/* Bytes of memory, aligned to 16, that a plan of so many slots, meshes and cascades (0 for a camera's) needs. */
+size_t plan_memory_size(uint32_t slot_count, uint32_t mesh_count, uint32_t cascade_count);
 
 /*
- * Plans the cascades. Preconditions: the configuration is checked, every instance's mesh is below mesh_count, every
- * transform is affine and finite. `memory` holds the lists as long as `out` is used.
- * Errors: those of plan_camera_make and plan_light_basis, and INVALID_CAMERA (the near plane is at or beyond the
- * shadow distance; numbers too large to plan with).
+ * Plans the cascades. Preconditions: the configuration is checked, every instance has passed plan_instance_check, its
+ * mesh is below mesh_count. `memory` holds the lists as long as `out` is used.
+ * Errors: those of plan_camera_make and plan_light_basis, and INVALID_CAMERA (numbers too large to plan with),
+ * NOT_FINITE and INVALID_VALUE (origin).
  */
 csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *memory, const char **error);
 
-/* What a camera sees of the scene, for a depth pre-pass. */
+/* What a camera sees of the receivers, for a depth pre-pass. */
 void plan_view_make(plan_list *out, const plan_camera *camera, const plan_scene *scene, void *memory);
 
 /* Object to clip of every instance in the list: three float4 rows each (12 floats); w is 1. */
@@ -165,9 +257,9 @@ void plan_write_cascade_matrices(float *out, const plan_frame *frame, uint32_t c
 /* Object to clip: four float4 rows each (16 floats). */
 void plan_write_view_matrices(float *out, const plan_list *list, const plan_camera *camera, const plan_scene *scene);
 
-/* The block that shaders/include/csm_constants.h lays out, relative to frame->camera.position. Returns its bytes. */
+/* The block that shaders/include/csm_constants.h lays out, relative to frame->origin. Returns its bytes. */
 uint32_t plan_write_constants(float *out, const plan_frame *frame, const csm_config *config);
-/* The block of the mask pass: how `camera`'s clip space maps to world positions relative to frame->camera.position;
+/* The block of the mask pass: how `camera`'s clip space maps to world positions relative to frame->origin;
  * `view` is CSM_VIEW_*. */
 uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_camera *camera, uint32_t width,
                                    uint32_t height, bool unorm_normals, uint32_t view);

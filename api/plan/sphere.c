@@ -29,9 +29,10 @@ static void face_corners(double (*corners)[3], const plan_camera *camera, double
 
 /*
  * The centre of the least sphere through `count` points, 2 to 4: origin + sum of weights times edges, where
- * dot(edge i, sum) = dot(edge i, edge i) / 2. Cramer's rule; degenerate points give no finite result.
+ * dot(edge i, sum) = dot(edge i, edge i) / 2. Cramer's rule. False: the points are degenerate.
  */
-static void circumcenter(double center[3], const double *const points[4], int count) {
+static bool circumcenter(double center[3], const double *const points[4], int count) {
+  const double most = 1e30; /* no least sphere lies so many edges away */
   double edges[3][3] = {{0}}, g[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, half[3] = {0}, weights[3];
   for (int i = 0; i + 1 < count; ++i)
     for (int k = 0; k < 3; ++k)
@@ -45,10 +46,15 @@ static void circumcenter(double center[3], const double *const points[4], int co
   for (int i = 0; i < 3; ++i)
     plan_cross(cofactors[i], g[(i + 1) % 3], g[(i + 2) % 3]);
   const double determinant = plan_dot(g[0], cofactors[0]);
-  for (int i = 0; i < 3; ++i) /* the Gram matrix is symmetric, so cofactors need no transposition */
-    weights[i] = plan_dot(cofactors[i], half) / determinant;
+  for (int i = 0; i < 3; ++i) { /* the Gram matrix is symmetric, so cofactors need no transposition */
+    const double above = plan_dot(cofactors[i], half);
+    if (determinant == 0.0 || fabs(above) > most * fabs(determinant))
+      return false;
+    weights[i] = above / determinant;
+  }
   for (int k = 0; k < 3; ++k)
     center[k] = points[0][k] + weights[0] * edges[0][k] + weights[1] * edges[1][k] + weights[2] * edges[2][k];
+  return true;
 }
 
 /* The square of the distance to the farthest point, or `limit` if that is less. */
@@ -83,8 +89,7 @@ static double least_sphere(double center[3], const double points[8][3]) {
     if (count < 2 || count > 4)
       continue;
     double tried[3];
-    circumcenter(tried, chosen, count);
-    const double square = farthest_square(tried, points, best);
+    const double square = circumcenter(tried, chosen, count) ? farthest_square(tried, points, best) : best;
     if (square < best) {
       best = square;
       for (int k = 0; k < 3; ++k)
@@ -99,21 +104,18 @@ static double stretched(double length) {
   return length * (1.0 + PLAN_RIGID_TOLERANCE / 2.0);
 }
 
-void plan_slice_corners(double corners[8][3], const plan_camera *camera, double near, double far) {
+bool plan_slice_corners(double corners[8][3], const plan_camera *camera, double near, double far) {
   face_corners(corners, camera, near);
   face_corners(corners + 4, camera, far);
+  return plan_within(corners[0], 24, PLAN_LARGEST);
 }
 
-void plan_slice_sphere(double center[3], double *radius, const plan_camera *camera, double near, double far) {
-  double corners[8][3];
-  plan_slice_corners(corners, camera, near, far);
+void plan_slice_sphere(double center[3], double *radius, const double corners[8][3]) {
   center[0] = center[1] = center[2] = 0.0;
   *radius = stretched(least_sphere(center, corners));
 }
 
-void plan_slice_centroid_sphere(double center[3], double *radius, const plan_camera *camera, double near, double far) {
-  double corners[8][3];
-  plan_slice_corners(corners, camera, near, far);
+void plan_slice_centroid_sphere(double center[3], double *radius, const double corners[8][3]) {
   for (int k = 0; k < 3; ++k) {
     center[k] = 0.0;
     for (int i = 0; i < 8; ++i)

@@ -28,22 +28,24 @@ static double split_lambda(const csm_config *config) {
                                                        : config->split_lambda;
 }
 
-csm_result plan_splits(double *depths, const plan_fit_frame *frame, const char **error) {
+csm_result plan_splits(plan_depths *out, const plan_fit_frame *frame, const char **error) {
   const csm_config *config = frame->config;
   const uint32_t count = config->cascade_count;
   const bool manual = config->split_mode == CSM_SPLIT_MANUAL || config->split_mode == CSM_SPLIT_FRACTIONS;
   double near = frame->camera->near_depth;
   const double reach = fmin(config->shadow_distance, frame->camera->far_depth);
   double end = manual ? fmin(reach, manual_split(config, count - 1, near, reach)) : reach;
-  if (!(near < end))
-    return plan_fail(error, CSM_ERROR_INVALID_CAMERA, "projection has its near plane at or beyond the end of shadows");
-  if (frame->samples && !manual)
-    plan_samples_range(&near, &end, frame);
+  out->none = !(near < end);
+  if (out->none)
+    return CSM_SUCCESS;
+  if (frame->sample_count && !manual)
+    plan_depth_samples_range(&near, &end, frame);
 
   /* Manual splits that the near plane, the far plane or the shadow distance overtakes keep a thin slice. */
   const double thin = (end - near) / 1024.0;
   const double from = config->split_near;
   const double spread = from > 0.0 && from > near && from < end ? from : near;
+  double *depths = out->at;
   depths[0] = near;
   depths[count] = end;
   for (uint32_t i = 1; i < count; ++i) {

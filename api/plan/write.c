@@ -4,72 +4,11 @@
 #include "csm_constants.h"
 #include <math.h>
 
-void plan_cascade_to_clip(double rows[3][4], const plan_frame *frame, uint32_t cascade) {
-  const double *to_clip = frame->cascades[cascade].to_clip;
-  for (int row = 0; row < 3; ++row) {
-    for (int k = 0; k < 3; ++k)
-      rows[row][k] = to_clip[row * 4] * frame->basis[k] + to_clip[row * 4 + 1] * frame->basis[3 + k] +
-                     to_clip[row * 4 + 2] * frame->basis[6 + k];
-    rows[row][3] = to_clip[row * 4 + 3];
-  }
-}
-
-void plan_cascade_volume(const plan_frame *frame, uint32_t cascade, double world_to_clip[16], double planes[5][4]) {
-  double rows[3][4];
-  plan_cascade_to_clip(rows, frame, cascade);
-  for (int column = 0; column < 4; ++column) {
-    for (int row = 0; row < 3; ++row)
-      world_to_clip[column * 4 + row] = rows[row][column];
-    world_to_clip[column * 4 + 3] = column == 3;
-    const double one = column == 3;
-    planes[0][column] = rows[0][column] + one;
-    planes[1][column] = one - rows[0][column];
-    planes[2][column] = rows[1][column] + one;
-    planes[3][column] = one - rows[1][column];
-    /* The far side is depth 1, or 0 where depth grows towards the light. */
-    planes[4][column] = frame->cascades[cascade].to_clip[10] < 0.0 ? rows[2][column] : one - rows[2][column];
-  }
-}
-
-void plan_instance_to_clip(float out[12], const double rows[3][4], const plan_instance *instance) {
-  const double *t = instance->transform;
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 4; ++column) {
-      const double constant = column == 3 ? rows[row][3] : 0.0;
-      out[row * 4 + column] =
-          plan_float(rows[row][0] * t[column] + rows[row][1] * t[4 + column] + rows[row][2] * t[8 + column] + constant);
-    }
-}
-
-void plan_write_cascade_matrices(float *out, const plan_frame *frame, uint32_t cascade, const plan_scene *scene) {
-  const plan_list *list = &frame->cascades[cascade].list;
-  double rows[3][4];
-  plan_cascade_to_clip(rows, frame, cascade);
-  for (uint32_t i = 0; i < list->instance_count; ++i)
-    plan_instance_to_clip(&out[(size_t)i * 12], rows, &scene->instances[list->instances[i]]);
-}
-
-void plan_write_view_matrices(float *out, const plan_list *list, const plan_camera *camera, const plan_scene *scene) {
-  /* Relative to the camera, so that a large world costs no precision */
-  double to_view[16], to_clip[16];
-  for (int i = 0; i < 16; ++i)
-    to_view[i] = i < 12 ? camera->view[i] : i == 15;
-  plan_multiply(to_clip, camera->projection, to_view);
-  for (uint32_t i = 0; i < list->instance_count; ++i, out += 16) {
-    const double *t = scene->instances[list->instances[i]].transform;
-    double object[16];
-    for (int column = 0; column < 4; ++column) {
-      for (int row = 0; row < 3; ++row)
-        object[column * 4 + row] = t[row * 4 + column] - (column == 3 ? camera->position[row] : 0.0);
-      object[column * 4 + 3] = column == 3;
-    }
-    double clip[16];
-    plan_multiply(clip, to_clip, object);
-    for (int row = 0; row < 4; ++row)
-      for (int column = 0; column < 4; ++column)
-        out[row * 4 + column] = plan_float(clip[column * 4 + row]);
-  }
-}
+/*
+ * A frame without shadows (frame->unshadowed) needs nothing of its own here. plan_fit_nothing has given its cascades
+ * intervals that end far below every view depth, and matrices that put every point at texture coordinates and a depth
+ * of 2. So a shader that runs through a fixed number of cascades finds none that holds a point.
+ */
 
 static void put(float *out, uint32_t index, double x, double y, double z, double w) {
   out[index * 4] = plan_float(x);
@@ -92,7 +31,7 @@ static double grid_place(const plan_cascade *cascade) {
 static void put_cascade(float *out, uint32_t index, const plan_frame *frame, const plan_cascade *cascade,
                         double reach_texels) {
   const csm_cascade_info *info = &cascade->info;
-  const double *m = info->world_to_shadow, *origin = frame->camera.position;
+  const double *m = info->world_to_shadow, *origin = frame->origin;
   put(out, CSM_C_TEXELS + index, info->texel_size, 1.0 / info->depth_range, reach_texels * info->texel_size,
       cascade->texel[0] / cascade->texel[1]);
   for (uint32_t row = 0; row < 3; ++row)
@@ -153,7 +92,7 @@ uint32_t plan_write_constants(float *out, const plan_frame *frame, const csm_con
   put_filter(out, config);
   put(out, CSM_C_MODES, config->selection, plan_filter_radius_texels(config), config->out_of_range, config->blend_mode);
   const double fade = config->fade_share * end;
-  put(out, CSM_C_BAND, config->blend_share, end - fade, fade > 0.0 ? 1.0 / fade : 0.0,
+  put(out, CSM_C_BAND, config->blend_share, end - fade, fade > 1e-30 ? 1.0 / fade : 0.0,
       frame->cascades[0].info.near_depth);
   return CSM_C_COUNT * 4 * sizeof(float);
 }
@@ -174,7 +113,7 @@ uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const pl
   (void)plan_invert(unproject, camera->projection); /* plan_camera_make saw to it that it can be */
   plan_view_rotation_inverse(rotation, camera->view);
   for (int row = 0; row < 3; ++row) {
-    const double apart = camera->position[row] - frame->camera.position[row];
+    const double apart = camera->position[row] - frame->origin[row];
     double values[4];
     for (int k = 0; k < 4; ++k)
       values[k] = rotation[row] * unproject[k * 4] + rotation[3 + row] * unproject[k * 4 + 1] +

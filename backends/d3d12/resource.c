@@ -1,115 +1,9 @@
-/*
- * resource.c: buffers, images and targets. Every resource is committed, which takes one allocation of the driver's
- * each: the front makes few and large ones (pages of geometry, a ring per slot, arrays of maps).
- */
-#include "d3d12.h"
+/* resource.c: buffers, images, and views of them. */
+#include "internal.h"
 
-static void release_heap(ID3D12DescriptorHeap *heap) {
-  if (heap)
-    ID3D12DescriptorHeap_Release(heap);
-}
+#include <string.h>
 
-static HRESULT create_view_heap(gpu_device *device, D3D12_DESCRIPTOR_HEAP_TYPE type, ID3D12DescriptorHeap **out) {
-  const D3D12_DESCRIPTOR_HEAP_DESC heap = {.Type = type, .NumDescriptors = 1};
-  return ID3D12Device_CreateDescriptorHeap(device->device, &heap, &IID_ID3D12DescriptorHeap, (void **)out);
-}
-
-/* A depth view of `layer_count` layers from `layer` on, in a heap of its own. */
-static HRESULT create_depth_view(gpu_device *device, gpu_image *image, uint32_t layer, uint32_t layer_count,
-                                 ID3D12DescriptorHeap **out) {
-  const D3D12_DEPTH_STENCIL_VIEW_DESC view = {
-      .Format = d3d12_format(image->info.format),
-      .ViewDimension = D3D12_DSV_DIMENSION_TEXTURE2DARRAY,
-      .Texture2DArray = {.FirstArraySlice = layer, .ArraySize = layer_count},
-  };
-  const HRESULT hr = create_view_heap(device, D3D12_DESCRIPTOR_HEAP_TYPE_DSV, out);
-  if (SUCCEEDED(hr))
-    ID3D12Device_CreateDepthStencilView(device->device, image->resource.handle, &view,
-                                        ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(*out));
-  return hr;
-}
-
-static HRESULT create_color_view(gpu_device *device, gpu_image *image, uint32_t layer, ID3D12DescriptorHeap **out) {
-  const D3D12_RENDER_TARGET_VIEW_DESC view = {
-      .Format = d3d12_format(image->info.format),
-      .ViewDimension = D3D12_RTV_DIMENSION_TEXTURE2DARRAY,
-      .Texture2DArray = {.FirstArraySlice = layer, .ArraySize = 1},
-  };
-  const HRESULT hr = create_view_heap(device, D3D12_DESCRIPTOR_HEAP_TYPE_RTV, out);
-  if (SUCCEEDED(hr))
-    ID3D12Device_CreateRenderTargetView(device->device, image->resource.handle, &view,
-                                        ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(*out));
-  return hr;
-}
-
-DXGI_FORMAT d3d12_format(gpu_format format) {
-  switch (format) {
-  case GPU_FORMAT_D32_FLOAT:
-    return DXGI_FORMAT_D32_FLOAT;
-  case GPU_FORMAT_D16_UNORM:
-    return DXGI_FORMAT_D16_UNORM;
-  case GPU_FORMAT_R8_UNORM:
-    return DXGI_FORMAT_R8_UNORM;
-  case GPU_FORMAT_RG32_FLOAT:
-    return DXGI_FORMAT_R32G32_FLOAT;
-  case GPU_FORMAT_RGB32_FLOAT:
-    return DXGI_FORMAT_R32G32B32_FLOAT;
-  case GPU_FORMAT_RGBA32_FLOAT:
-    return DXGI_FORMAT_R32G32B32A32_FLOAT;
-  case GPU_FORMAT_NONE:
-    break;
-  }
-  return DXGI_FORMAT_UNKNOWN;
-}
-
-DXGI_FORMAT d3d12_resource_format(gpu_format format) {
-  switch (format) {
-  case GPU_FORMAT_D32_FLOAT:
-    return DXGI_FORMAT_R32_TYPELESS;
-  case GPU_FORMAT_D16_UNORM:
-    return DXGI_FORMAT_R16_TYPELESS;
-  default:
-    return d3d12_format(format);
-  }
-}
-
-static DXGI_FORMAT view_format(gpu_format format) {
-  switch (format) {
-  case GPU_FORMAT_D32_FLOAT:
-    return DXGI_FORMAT_R32_FLOAT;
-  case GPU_FORMAT_D16_UNORM:
-    return DXGI_FORMAT_R16_UNORM;
-  default:
-    return d3d12_format(format);
-  }
-}
-
-/* The state that a buffer of each heap begins in; those of upload and readback heaps stay in it. */
-static D3D12_RESOURCE_STATES heap_state(D3D12_HEAP_TYPE heap) {
-  switch (heap) {
-  case D3D12_HEAP_TYPE_UPLOAD:
-    return D3D12_RESOURCE_STATE_GENERIC_READ;
-  case D3D12_HEAP_TYPE_READBACK:
-    return D3D12_RESOURCE_STATE_COPY_DEST;
-  default:
-    return D3D12_RESOURCE_STATE_COMMON;
-  }
-}
-
-HRESULT d3d12_commit_buffer(ID3D12Device *device, D3D12_HEAP_TYPE heap, uint64_t size, ID3D12Resource **out) {
-  const D3D12_HEAP_PROPERTIES properties = {.Type = heap};
-  const D3D12_RESOURCE_DESC resource = {
-      .Dimension = D3D12_RESOURCE_DIMENSION_BUFFER,
-      .Width = size,
-      .Height = 1,
-      .DepthOrArraySize = 1,
-      .MipLevels = 1,
-      .SampleDesc = {.Count = 1},
-      .Layout = D3D12_TEXTURE_LAYOUT_ROW_MAJOR,
-  };
-  return ID3D12Device_CreateCommittedResource(device, &properties, D3D12_HEAP_FLAG_NONE, &resource, heap_state(heap),
-                                              NULL, &IID_ID3D12Resource, (void **)out);
-}
+/* ---- buffers ---- */
 
 static D3D12_HEAP_TYPE heap_type(gpu_buffer_kind kind) {
   switch (kind) {
@@ -123,25 +17,56 @@ static D3D12_HEAP_TYPE heap_type(gpu_buffer_kind kind) {
   return D3D12_HEAP_TYPE_DEFAULT;
 }
 
+/* The state that a buffer begins in; those of upload and readback heaps stay in it. */
+static D3D12_RESOURCE_STATES first_state(gpu_buffer_kind kind) {
+  switch (kind) {
+  case GPU_BUFFER_UPLOAD:
+    return D3D12_RESOURCE_STATE_GENERIC_READ;
+  case GPU_BUFFER_READBACK:
+    return D3D12_RESOURCE_STATE_COPY_DEST;
+  case GPU_BUFFER_DEVICE:
+    break;
+  }
+  return D3D12_RESOURCE_STATE_COMMON;
+}
+
+static D3D12_RESOURCE_STATES readable_state(uint32_t usage) {
+  D3D12_RESOURCE_STATES state = D3D12_RESOURCE_STATE_VERTEX_AND_CONSTANT_BUFFER | D3D12_RESOURCE_STATE_INDEX_BUFFER;
+  if (usage & GPU_BUFFER_READ)
+    state |= D3D12_STATE_READABLE;
+  if (usage & GPU_BUFFER_INDIRECT)
+    state |= D3D12_RESOURCE_STATE_INDIRECT_ARGUMENT;
+  return state;
+}
+
 csm_result d3d12_buffer_create(gpu_device *device, const gpu_buffer_info *info, gpu_buffer **out) {
   *out = NULL;
-  gpu_buffer *buffer = d3d12_new(&device->host, sizeof *buffer);
+  gpu_buffer *buffer = d3d12_allocate(device, sizeof *buffer);
   if (!buffer)
     return CSM_ERROR_OUT_OF_MEMORY;
-  const D3D12_HEAP_TYPE heap = heap_type(info->kind);
   buffer->kind = info->kind;
   buffer->size = info->size;
-  buffer->resource.state = heap_state(heap);
-  buffer->resource.rest = heap_state(heap);
-  HRESULT hr = d3d12_commit_buffer(device->device, heap, info->size, &buffer->resource.handle);
-  if (SUCCEEDED(hr) && info->kind != GPU_BUFFER_DEVICE)
-    hr = ID3D12Resource_Map(buffer->resource.handle, 0, NULL, &buffer->memory);
-  if (FAILED(hr)) {
+  buffer->state = first_state(info->kind);
+  buffer->readable = readable_state(info->usage);
+
+  const D3D12_RESOURCE_DESC description = {
+      .Dimension = D3D12_RESOURCE_DIMENSION_BUFFER,
+      .Width = info->size,
+      .Height = 1,
+      .DepthOrArraySize = 1,
+      .MipLevels = 1,
+      .SampleDesc = {.Count = 1},
+      .Layout = D3D12_TEXTURE_LAYOUT_ROW_MAJOR,
+      .Flags = info->usage & GPU_BUFFER_WRITE ? D3D12_RESOURCE_FLAG_ALLOW_UNORDERED_ACCESS : D3D12_RESOURCE_FLAG_NONE};
+  csm_result result =
+      d3d12_resource_create(device, heap_type(info->kind), &description, buffer->state, info->name, &buffer->resource);
+  if (result == CSM_SUCCESS && info->kind != GPU_BUFFER_DEVICE)
+    result = d3d12_check(device, ID3D12Resource_Map(buffer->resource.handle, 0, NULL, &buffer->mapped), "Map");
+  if (result != CSM_SUCCESS) {
     d3d12_buffer_destroy(device, buffer);
-    return d3d12_check(device, hr, "making a buffer");
+    return result;
   }
   buffer->address = ID3D12Resource_GetGPUVirtualAddress(buffer->resource.handle);
-  d3d12_name((ID3D12Object *)buffer->resource.handle, info->name);
   *out = buffer;
   return CSM_SUCCESS;
 }
@@ -149,72 +74,73 @@ csm_result d3d12_buffer_create(gpu_device *device, const gpu_buffer_info *info, 
 void d3d12_buffer_destroy(gpu_device *device, gpu_buffer *buffer) {
   if (!buffer)
     return;
-  if (buffer->resource.handle)
-    ID3D12Resource_Release(buffer->resource.handle);
-  device->host.release(device->host.user, buffer);
+  d3d12_resource_destroy(device, &buffer->resource);
+  d3d12_release(device, buffer);
 }
 
 void *d3d12_buffer_memory(gpu_buffer *buffer) {
-  return buffer->memory;
+  return buffer->mapped;
 }
 
-static HRESULT commit_image(gpu_device *device, gpu_image *image) {
-  const gpu_image_info *info = &image->info;
-  const bool depth = gpu_format_is_depth(info->format);
-  const D3D12_HEAP_PROPERTIES heap = {.Type = D3D12_HEAP_TYPE_DEFAULT};
-  const D3D12_RESOURCE_DESC resource = {
-      .Dimension = D3D12_RESOURCE_DIMENSION_TEXTURE2D,
-      .Width = info->width,
-      .Height = info->height,
-      .DepthOrArraySize = (UINT16)info->layers,
-      .MipLevels = 1,
-      .Format = d3d12_resource_format(info->format),
-      .SampleDesc = {.Count = 1},
-      .Flags = depth ? D3D12_RESOURCE_FLAG_ALLOW_DEPTH_STENCIL : D3D12_RESOURCE_FLAG_ALLOW_RENDER_TARGET,
-  };
-  /* The state of the first use, a clear or a pass: vkd3d moves an image out of Vulkan's undefined layout only when it
-     is used so, not when a descriptor reads it. */
-  image->resource.state = depth ? D3D12_RESOURCE_STATE_DEPTH_WRITE : D3D12_RESOURCE_STATE_RENDER_TARGET;
-  image->resource.rest = info->usage & GPU_IMAGE_SAMPLED ? D3D12_STATE_READABLE : image->resource.state;
-  image->view_format = view_format(info->format);
-  const D3D12_RESOURCE_ALLOCATION_INFO allocation =
-      ID3D12Device_GetResourceAllocationInfo(device->device, 0, 1, &resource);
-  image->bytes = allocation.SizeInBytes;
-  HRESULT hr = ID3D12Device_CreateCommittedResource(device->device, &heap, D3D12_HEAP_FLAG_NONE, &resource,
-                                                    image->resource.state, NULL, &IID_ID3D12Resource,
-                                                    (void **)&image->resource.handle);
-  if (SUCCEEDED(hr) && depth)
-    hr = create_depth_view(device, image, 0, info->layers, &image->clear_heap);
-  return hr;
+/* ---- images ---- */
+
+static D3D12_RESOURCE_FLAGS image_flags(const gpu_image_info *info) {
+  D3D12_RESOURCE_FLAGS flags = D3D12_RESOURCE_FLAG_NONE;
+  if (gpu_format_is_depth(info->format))
+    flags |= D3D12_RESOURCE_FLAG_ALLOW_DEPTH_STENCIL;
+  else if (info->usage & GPU_IMAGE_TARGET)
+    flags |= D3D12_RESOURCE_FLAG_ALLOW_RENDER_TARGET;
+  if (info->usage & GPU_IMAGE_STORED)
+    flags |= D3D12_RESOURCE_FLAG_ALLOW_UNORDERED_ACCESS;
+  return flags;
 }
 
+/* An image begins in COMMON, and its first use is a barrier: vkd3d moves an image out of Vulkan's undefined layout with
+   a barrier, but not when a descriptor reads or writes it. */
 csm_result d3d12_image_create(gpu_device *device, const gpu_image_info *info, gpu_image **out) {
   *out = NULL;
-  gpu_image *image = d3d12_new(&device->host, sizeof *image);
+  const uint32_t levels = info->levels ? info->levels : 1;
+  gpu_image *image = d3d12_allocate(device, sizeof *image + (size_t)info->layers * levels * sizeof *image->states);
   if (!image)
     return CSM_ERROR_OUT_OF_MEMORY;
-  image->info = *info;
-  const HRESULT hr = commit_image(device, image);
-  if (FAILED(hr)) {
+  image->format = info->format;
+  image->view_format = d3d12_view_format(info->format);
+  image->sampled = info->usage & GPU_IMAGE_SAMPLED;
+  image->array = info->array;
+  image->width = info->width;
+  image->height = info->height;
+  image->layer_count = info->layers;
+  image->level_count = levels;
+
+  const D3D12_RESOURCE_DESC description = {.Dimension = D3D12_RESOURCE_DIMENSION_TEXTURE2D,
+                                           .Width = info->width,
+                                           .Height = info->height,
+                                           .DepthOrArraySize = (UINT16)info->layers,
+                                           .MipLevels = (UINT16)levels,
+                                           .Format = d3d12_resource_format(info->format),
+                                           .SampleDesc = {.Count = 1},
+                                           .Flags = image_flags(info)};
+  csm_result result = d3d12_resource_create(device, D3D12_HEAP_TYPE_DEFAULT, &description, D3D12_RESOURCE_STATE_COMMON,
+                                            info->name, &image->resource);
+  if (result == CSM_SUCCESS && gpu_format_is_depth(info->format))
+    result = d3d12_depth_views_create(device, image, d3d12_range(image, NULL), &image->clear_heap);
+  if (result == CSM_SUCCESS)
+    *out = image;
+  else
     d3d12_image_destroy(device, image);
-    return d3d12_check(device, hr, "making an image");
-  }
-  d3d12_name((ID3D12Object *)image->resource.handle, info->name);
-  *out = image;
-  return CSM_SUCCESS;
+  return result;
 }
 
 void d3d12_image_destroy(gpu_device *device, gpu_image *image) {
   if (!image)
     return;
-  release_heap(image->clear_heap);
-  if (image->resource.handle)
-    ID3D12Resource_Release(image->resource.handle);
-  device->host.release(device->host.user, image);
+  d3d12_unref(image->clear_heap);
+  d3d12_resource_destroy(device, &image->resource);
+  d3d12_release(device, image);
 }
 
 uint64_t d3d12_image_bytes(const gpu_image *image) {
-  return image->bytes;
+  return image->resource.bytes;
 }
 
 void d3d12_image_native(const gpu_device *device, const gpu_image *image, gpu_native_image *out) {
@@ -222,49 +148,78 @@ void d3d12_image_native(const gpu_device *device, const gpu_image *image, gpu_na
   *out = (gpu_native_image){.image = (uint64_t)(uintptr_t)image->resource.handle};
 }
 
-void d3d12_image_describe(gpu_device *device, const gpu_image *image, uint64_t descriptor) {
-  D3D12_SHADER_RESOURCE_VIEW_DESC view = {
-      .Format = image->view_format,
-      .Shader4ComponentMapping = D3D12_DEFAULT_SHADER_4_COMPONENT_MAPPING,
-  };
-  if (image->info.array) {
-    view.ViewDimension = D3D12_SRV_DIMENSION_TEXTURE2DARRAY;
-    view.Texture2DArray = (D3D12_TEX2D_ARRAY_SRV){.MipLevels = 1, .ArraySize = image->info.layers};
-  } else {
-    view.ViewDimension = D3D12_SRV_DIMENSION_TEXTURE2D;
-    view.Texture2D = (D3D12_TEX2D_SRV){.MipLevels = 1};
-  }
-  ID3D12Device_CreateShaderResourceView(device->device, image->resource.handle, &view,
-                                        (D3D12_CPU_DESCRIPTOR_HANDLE){.ptr = (SIZE_T)descriptor});
+/* ---- views ---- */
+
+gpu_range d3d12_range(const gpu_image *image, const gpu_range *range) {
+  gpu_range out = range ? *range : (gpu_range){0};
+  if (!out.layer_count)
+    out.layer_count = image->layer_count - out.first_layer;
+  if (!out.level_count)
+    out.level_count = image->level_count - out.first_level;
+  return out;
 }
 
-csm_result d3d12_target_create(gpu_device *device, const gpu_target_info *info, gpu_target **out) {
-  *out = NULL;
-  gpu_target *target = d3d12_new(&device->host, sizeof *target);
-  if (!target)
-    return CSM_ERROR_OUT_OF_MEMORY;
-  const gpu_image_info *size = info->depth ? &info->depth->info : &info->color->info;
-  target->depth = info->depth;
-  target->color = info->color;
-  target->width = size->width;
-  target->height = size->height;
-  HRESULT hr = S_OK;
-  if (info->depth)
-    hr = create_depth_view(device, info->depth, info->depth_layer, 1, &target->depth_heap);
-  if (info->color && SUCCEEDED(hr))
-    hr = create_color_view(device, info->color, info->color_layer, &target->color_heap);
-  if (FAILED(hr)) {
-    d3d12_target_destroy(device, target);
-    return d3d12_check(device, hr, "making a target");
+void d3d12_view_read(gpu_device *device, const gpu_view *view, D3D12_CPU_DESCRIPTOR_HANDLE descriptor) {
+  const gpu_range *range = &view->range;
+  D3D12_SHADER_RESOURCE_VIEW_DESC description = {.Format = view->image->view_format,
+                                                 .Shader4ComponentMapping = D3D12_DEFAULT_SHADER_4_COMPONENT_MAPPING};
+  if (view->array) {
+    description.ViewDimension = D3D12_SRV_DIMENSION_TEXTURE2DARRAY;
+    description.Texture2DArray = (D3D12_TEX2D_ARRAY_SRV){.MostDetailedMip = range->first_level,
+                                                         .MipLevels = range->level_count,
+                                                         .FirstArraySlice = range->first_layer,
+                                                         .ArraySize = range->layer_count};
+  } else {
+    description.ViewDimension = D3D12_SRV_DIMENSION_TEXTURE2D;
+    description.Texture2D = (D3D12_TEX2D_SRV){.MostDetailedMip = range->first_level, .MipLevels = range->level_count};
   }
-  *out = target;
+  ID3D12Device_CreateShaderResourceView(device->handle, view->image->resource.handle, &description, descriptor);
+}
+
+void d3d12_view_store(gpu_device *device, const gpu_view *view, D3D12_CPU_DESCRIPTOR_HANDLE descriptor) {
+  const gpu_range *range = &view->range;
+  D3D12_UNORDERED_ACCESS_VIEW_DESC description = {.Format = view->image->view_format};
+  if (view->array) {
+    description.ViewDimension = D3D12_UAV_DIMENSION_TEXTURE2DARRAY;
+    description.Texture2DArray = (D3D12_TEX2D_ARRAY_UAV){
+        .MipSlice = range->first_level, .FirstArraySlice = range->first_layer, .ArraySize = range->layer_count};
+  } else {
+    description.ViewDimension = D3D12_UAV_DIMENSION_TEXTURE2D;
+    description.Texture2D = (D3D12_TEX2D_UAV){.MipSlice = range->first_level};
+  }
+  ID3D12Device_CreateUnorderedAccessView(device->handle, view->image->resource.handle, NULL, &description, descriptor);
+}
+
+void d3d12_image_describe(gpu_device *device, const gpu_image *image, uint64_t descriptor) {
+  const gpu_view whole = {.image = (gpu_image *)image, .range = d3d12_range(image, NULL), .array = image->array};
+  d3d12_view_read(device, &whole, (D3D12_CPU_DESCRIPTOR_HANDLE){.ptr = (SIZE_T)descriptor});
+}
+
+csm_result d3d12_view_create(gpu_device *device, const gpu_view_info *info, gpu_view **out) {
+  *out = d3d12_allocate(device, sizeof **out);
+  if (!*out)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  **out = (gpu_view){.image = info->image, .range = d3d12_range(info->image, &info->range), .array = info->array};
   return CSM_SUCCESS;
 }
 
-void d3d12_target_destroy(gpu_device *device, gpu_target *target) {
-  if (!target)
-    return;
-  release_heap(target->depth_heap);
-  release_heap(target->color_heap);
-  device->host.release(device->host.user, target);
+void d3d12_view_destroy(gpu_device *device, gpu_view *view) {
+  d3d12_release(device, view);
+}
+
+/* ---- what clears depths by copies ---- */
+
+csm_result d3d12_fill_create(gpu_device *device) {
+  const gpu_buffer_info info = {
+      .name = "csm fill", .kind = GPU_BUFFER_UPLOAD, .size = D3D12_FILL_PARTS * D3D12_FILL_SIZE};
+  const csm_result result = d3d12_buffer_create(device, &info, &device->fill);
+  if (result != CSM_SUCCESS)
+    return result;
+  unsigned char *bytes = device->fill->mapped;
+  float *ones = (float *)(bytes + D3D12_FILL_ONE_D32 * D3D12_FILL_SIZE);
+  memset(bytes + D3D12_FILL_ZERO * D3D12_FILL_SIZE, 0, D3D12_FILL_SIZE);
+  for (uint32_t i = 0; i < D3D12_FILL_SIZE / sizeof *ones; i++)
+    ones[i] = 1;
+  memset(bytes + D3D12_FILL_ONE_D16 * D3D12_FILL_SIZE, 0xff, D3D12_FILL_SIZE);
+  return CSM_SUCCESS;
 }

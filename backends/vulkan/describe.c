@@ -32,18 +32,18 @@ VkQueueFlags vulkan_queue_flags(const gpu_device *device, VkPhysicalDevice physi
 
 /* ---- description ---- */
 
-static uint32_t device_type(VkPhysicalDeviceType type) {
+gpu_device_type vulkan_device_type(VkPhysicalDeviceType type) {
   switch (type) {
   case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
-    return CSM_DEVICE_INTEGRATED;
+    return GPU_DEVICE_INTEGRATED;
   case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
-    return CSM_DEVICE_DISCRETE;
+    return GPU_DEVICE_DISCRETE;
   case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
-    return CSM_DEVICE_VIRTUAL;
+    return GPU_DEVICE_VIRTUAL;
   case VK_PHYSICAL_DEVICE_TYPE_CPU:
-    return CSM_DEVICE_CPU;
+    return GPU_DEVICE_CPU;
   default:
-    return CSM_DEVICE_OTHER;
+    return GPU_DEVICE_OTHER;
   }
 }
 
@@ -92,8 +92,22 @@ static void describe_queue(gpu_device *device, const VkPhysicalDeviceLimits *lim
   device->read = (vulkan_use){.layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
                               .stages = VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
                               .access = VK_ACCESS_SHADER_READ_BIT};
+  device->info.can.compute = flags & VK_QUEUE_COMPUTE_BIT;
+  device->info.can.timestamps = bits;
   if (flags & VK_QUEUE_COMPUTE_BIT)
     device->read.stages |= VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
+}
+
+static void describe_abilities(gpu_device *device, const VkPhysicalDeviceLimits *limits) {
+  gpu_capabilities *can = &device->info.can;
+  const uint32_t anisotropy = (uint32_t)limits->maxSamplerAnisotropy;
+  can->max_anisotropy = device->features.samplerAnisotropy ? minimum(anisotropy, GPU_MAX_ANISOTROPY) : 1;
+  can->max_storage_size = limits->maxStorageBufferRange;
+  can->indirect = true;
+  can->pixel_stores = device->features.fragmentStoresAndAtomics;
+  can->bias_clamp = device->features.depthBiasClamp;
+  can->dynamic_rendering = device->dynamic_rendering;
+  vulkan_describe_formats(device);
 }
 
 csm_result vulkan_describe_physical(gpu_device *device) {
@@ -105,7 +119,7 @@ csm_result vulkan_describe_physical(gpu_device *device) {
 
   const VkPhysicalDeviceProperties *properties = &all.properties;
   gpu_device_info *info = &device->info;
-  info->type = device_type(properties->deviceType);
+  info->type = vulkan_device_type(properties->deviceType);
   info->required = vulkan_required;
   info->optional = vulkan_optional;
   vulkan_text(info->name, sizeof info->name, "%s", properties->deviceName);
@@ -114,6 +128,7 @@ csm_result vulkan_describe_physical(gpu_device *device) {
   else
     vulkan_text(info->driver, sizeof info->driver, "version 0x%08x", properties->driverVersion);
   describe_queue(device, &properties->limits);
+  describe_abilities(device, &properties->limits);
   return describe_sizes(device, &properties->limits, sizes.maxMemoryAllocationSize);
 }
 

@@ -1,4 +1,4 @@
-/* device.c: a device from handles that own.c or engine.c obtained; errors, names and formats. */
+/* device.c: a device from handles that own.c or engine.c obtained; errors and names. */
 #include "internal.h"
 
 #include <stdarg.h>
@@ -72,28 +72,6 @@ void vulkan_name(const gpu_device *device, VkObjectType type, uint64_t handle, c
   device->vk.SetDebugUtilsObjectNameEXT(device->handle, &info);
 }
 
-/* ---- formats ---- */
-
-VkFormat vulkan_format(gpu_format format) {
-  switch (format) {
-  case GPU_FORMAT_D32_FLOAT:
-    return VK_FORMAT_D32_SFLOAT;
-  case GPU_FORMAT_D16_UNORM:
-    return VK_FORMAT_D16_UNORM;
-  case GPU_FORMAT_R8_UNORM:
-    return VK_FORMAT_R8_UNORM;
-  case GPU_FORMAT_RG32_FLOAT:
-    return VK_FORMAT_R32G32_SFLOAT;
-  case GPU_FORMAT_RGB32_FLOAT:
-    return VK_FORMAT_R32G32B32_SFLOAT;
-  case GPU_FORMAT_RGBA32_FLOAT:
-    return VK_FORMAT_R32G32B32A32_SFLOAT;
-  case GPU_FORMAT_NONE:
-    break;
-  }
-  return VK_FORMAT_UNDEFINED;
-}
-
 /* ---- opening and closing ---- */
 
 static csm_result device_new(const gpu_open_info *info, gpu_device **out) {
@@ -116,6 +94,8 @@ static csm_result device_new(const gpu_open_info *info, gpu_device **out) {
 static csm_result device_use(gpu_device *device) {
   if (!vulkan_load_device(&device->vk, device->handle, device->own))
     return vulkan_fail(device, CSM_ERROR_UNSUPPORTED, "the device lacks functions of Vulkan 1.1");
+  if (device->dynamic_rendering && !vulkan_load_rendering(&device->vk, device->handle))
+    return vulkan_fail(device, CSM_ERROR_UNSUPPORTED, "the device lacks the functions of dynamic rendering");
   device->usable = true;
   if (device->own) {
     device->vk.GetDeviceQueue(device->handle, device->queue_family, 0, &device->queue);
@@ -169,10 +149,10 @@ static void destroy_objects(gpu_device *device) {
     device->vk.DeviceWaitIdle(device->handle);
   for (uint32_t i = 0; i < device->slot_count; i++)
     vulkan_slot_destroy(device, &device->slots[i]);
-  for (uint32_t depth = 0; depth < VULKAN_FORMATS; depth++)
-    for (uint32_t color = 0; color < VULKAN_FORMATS; color++)
-      device->vk.DestroyRenderPass(device->handle, device->passes[depth][color], NULL);
-  for (uint32_t i = 0; i < VULKAN_SAMPLERS; i++)
+  const VkRenderPass *passes = &device->passes[0][0][0][0];
+  for (size_t i = 0; i < sizeof device->passes / sizeof *passes; i++)
+    device->vk.DestroyRenderPass(device->handle, passes[i], NULL);
+  for (uint32_t i = 0; i < GPU_SAMPLER_COUNT; i++)
     device->vk.DestroySampler(device->handle, device->samplers[i], NULL);
 }
 

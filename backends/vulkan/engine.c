@@ -2,7 +2,6 @@
 #include "internal.h"
 
 #include "../structs.h"
-#include "csm/csm_vulkan.h"
 
 #include <string.h>
 
@@ -35,10 +34,20 @@ static csm_result check_native(const gpu_device *device, const csm_vulkan_device
       missing = "an element of extensions";
   if (missing)
     return vulkan_fail(device, CSM_ERROR_NULL_POINTER, "csm_vulkan_device: %s is NULL", missing);
-  if (native->reserved || native->reserved2)
+  if (native->reserved || native->reserved2 || native->reserved3)
     return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_device: reserved is not 0");
+  if (native->dynamic_rendering > 1)
+    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_device: dynamic_rendering is neither 0 nor 1");
+  if (!native->allocate_memory != !native->free_memory)
+    return vulkan_fail(device, CSM_ERROR_NULL_POINTER, "csm_vulkan_device: %s is NULL, and %s is not",
+                       native->free_memory ? "allocate_memory" : "free_memory",
+                       native->free_memory ? "free_memory" : "allocate_memory");
   if (native->api_version < VK_API_VERSION_1_1)
     return vulkan_fail(device, CSM_ERROR_UNSUPPORTED, "csm_vulkan_device: api_version is below Vulkan 1.1");
+  if (native->dynamic_rendering && native->api_version < VK_API_VERSION_1_3 &&
+      !has_extension(native, VK_KHR_DYNAMIC_RENDERING_EXTENSION_NAME))
+    return vulkan_fail(device, CSM_ERROR_UNSUPPORTED,
+                       "csm_vulkan_device: dynamic_rendering, without its extension and below Vulkan 1.3");
   return CSM_SUCCESS;
 }
 
@@ -71,7 +80,13 @@ csm_result vulkan_engine_take(gpu_device *device, const void *native_device) {
   device->queue_family = native.queue_family;
   device->debug = vulkan_load_debug(&device->vk, native.instance, false); /* nothing where it is not enabled */
   device->driver_properties = has_extension(&native, VK_KHR_DRIVER_PROPERTIES_EXTENSION_NAME);
-  device->bias_clamp = native.features && native.features->depthBiasClamp;
+  if (native.features)
+    device->features = *native.features;
+  device->dynamic_rendering = native.dynamic_rendering;
+  device->pipeline_cache = native.pipeline_cache;
+  device->allocate_memory = native.allocate_memory;
+  device->free_memory = native.free_memory;
+  device->memory_user = native.memory_user;
   device->memory_budget = has_extension(&native, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
   return CSM_SUCCESS;
 }
@@ -135,6 +150,8 @@ csm_result vulkan_image_import(gpu_device *device, const void *native_image, gpu
   if (!image)
     return CSM_ERROR_OUT_OF_MEMORY;
   image->borrowed = true;
+  image->layer_count = 1;
+  image->level_count = 1;
   image->view = native.view;
   image->sampled_layout = (VkImageLayout)native.layout;
   image->width = native.width;

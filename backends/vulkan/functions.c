@@ -33,6 +33,16 @@ bool vulkan_load_debug(vulkan_functions *vk, VkInstance instance, bool own) {
   return complete;
 }
 
+bool vulkan_load_rendering(vulkan_functions *vk, VkDevice device) {
+  vk->CmdBeginRendering = (PFN_vkCmdBeginRendering)vk->GetDeviceProcAddr(device, "vkCmdBeginRenderingKHR");
+  vk->CmdEndRendering = (PFN_vkCmdEndRendering)vk->GetDeviceProcAddr(device, "vkCmdEndRenderingKHR");
+  if (!vk->CmdBeginRendering || !vk->CmdEndRendering) {
+    vk->CmdBeginRendering = (PFN_vkCmdBeginRendering)vk->GetDeviceProcAddr(device, "vkCmdBeginRendering");
+    vk->CmdEndRendering = (PFN_vkCmdEndRendering)vk->GetDeviceProcAddr(device, "vkCmdEndRendering");
+  }
+  return vk->CmdBeginRendering && vk->CmdEndRendering;
+}
+
 bool vulkan_load_device(vulkan_functions *vk, VkDevice device, bool own) {
   bool complete = true;
   VULKAN_DEVICE_FUNCTIONS(LOAD_DEVICE)

@@ -30,6 +30,7 @@
   X(EnumeratePhysicalDevices)                                                                                          \
   X(EnumerateDeviceExtensionProperties)                                                                                \
   X(GetPhysicalDeviceFeatures)                                                                                         \
+  X(GetPhysicalDeviceFeatures2)                                                                                        \
   X(CreateDevice)
 
 /* Of VK_EXT_debug_utils, which is optional; the messenger's on an own device alone. */
@@ -69,6 +70,7 @@
   X(CreatePipelineLayout)                                                                                              \
   X(DestroyPipelineLayout)                                                                                             \
   X(CreateGraphicsPipelines)                                                                                           \
+  X(CreateComputePipelines)                                                                                            \
   X(DestroyPipeline)                                                                                                   \
   X(CreateDescriptorPool)                                                                                              \
   X(DestroyDescriptorPool)                                                                                             \
@@ -93,7 +95,11 @@
   X(CmdBindVertexBuffers)                                                                                              \
   X(CmdBindIndexBuffer)                                                                                                \
   X(CmdDraw)                                                                                                           \
-  X(CmdDrawIndexed)
+  X(CmdDrawIndexed)                                                                                                    \
+  X(CmdDrawIndirect)                                                                                                   \
+  X(CmdDrawIndexedIndirect)                                                                                            \
+  X(CmdDispatch)                                                                                                       \
+  X(CmdDispatchIndirect)
 
 #define VULKAN_OWN_DEVICE_FUNCTIONS(X)                                                                                 \
   X(DestroyDevice)                                                                                                     \
@@ -123,6 +129,8 @@ typedef struct vulkan_functions {
   VULKAN_MESSENGER_FUNCTIONS(VULKAN_DECLARE)
   VULKAN_DEVICE_FUNCTIONS(VULKAN_DECLARE)
   VULKAN_OWN_DEVICE_FUNCTIONS(VULKAN_DECLARE)
+  PFN_vkCmdBeginRendering CmdBeginRendering; /* where dynamic rendering is on: of the extension, or of Vulkan 1.3 */
+  PFN_vkCmdEndRendering CmdEndRendering;
 } vulkan_functions;
 
 /* Each is false if a function is missing: what was asked is older than Vulkan 1.1, or has not the extension. `own`:
@@ -131,5 +139,6 @@ bool vulkan_load_loader(vulkan_functions *vk);
 bool vulkan_load_instance(vulkan_functions *vk, VkInstance instance, bool own);
 bool vulkan_load_debug(vulkan_functions *vk, VkInstance instance, bool own);
 bool vulkan_load_device(vulkan_functions *vk, VkDevice device, bool own);
+bool vulkan_load_rendering(vulkan_functions *vk, VkDevice device);
 
 #endif

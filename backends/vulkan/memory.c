@@ -1,6 +1,6 @@
 /*
- * memory.c: device memory. Small buffers share blocks, because devices allow few allocations; large buffers and images
- * have one each, which is a block with a single piece.
+ * memory.c: device memory, from the engine's allocator where it has one. Else small buffers share blocks, because
+ * devices allow few allocations. Large buffers and images have one each, which is a block with a single piece.
  */
 #include "internal.h"
 
@@ -32,17 +32,23 @@ static uint32_t find_type(const gpu_device *device, uint32_t allowed, VkMemoryPr
   return UINT32_MAX;
 }
 
-uint32_t vulkan_memory_type(const gpu_device *device, uint32_t allowed_types, gpu_buffer_kind kind) {
+/* The properties that memory of a kind must have, and those that it should. */
+typedef struct memory_wish {
+  VkMemoryPropertyFlags required, preferred;
+} memory_wish;
+
+static memory_wish wish_of(gpu_buffer_kind kind) {
   const VkMemoryPropertyFlags host = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-  const VkMemoryPropertyFlags best[] = {
-      [GPU_BUFFER_DEVICE] = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT,
-      [GPU_BUFFER_UPLOAD] = host,
-      [GPU_BUFFER_READBACK] = host | VK_MEMORY_PROPERTY_HOST_CACHED_BIT,
-  };
-  const uint32_t type = find_type(device, allowed_types, best[kind]);
-  if (type != UINT32_MAX)
-    return type;
-  return find_type(device, allowed_types, kind == GPU_BUFFER_DEVICE ? 0 : host);
+  if (kind == GPU_BUFFER_DEVICE)
+    return (memory_wish){.preferred = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT};
+  return (memory_wish){.required = host,
+                       .preferred = kind == GPU_BUFFER_READBACK ? VK_MEMORY_PROPERTY_HOST_CACHED_BIT : 0};
+}
+
+uint32_t vulkan_memory_type(const gpu_device *device, uint32_t allowed_types, gpu_buffer_kind kind) {
+  const memory_wish wish = wish_of(kind);
+  const uint32_t type = find_type(device, allowed_types, wish.required | wish.preferred);
+  return type != UINT32_MAX ? type : find_type(device, allowed_types, wish.required);
 }
 
 static void block_destroy(gpu_device *device, vulkan_block *block) {
@@ -131,16 +137,10 @@ static void destroy_if_free(gpu_device *device, vulkan_block *block) {
   block_destroy(device, block);
 }
 
-csm_result vulkan_memory_allocate(gpu_device *device, const VkMemoryRequirements *needs, gpu_buffer_kind kind,
-                                  bool image, const char *name, vulkan_memory *out) {
-  const uint32_t type = vulkan_memory_type(device, needs->memoryTypeBits, kind);
-  if (type == UINT32_MAX)
-    return vulkan_fail(device, CSM_ERROR_DEVICE, "no memory type of the device fits");
-  if (needs->size > device->info.max_allocation_size)
-    return vulkan_fail(device, CSM_ERROR_OUT_OF_DEVICE_MEMORY, "the device allows no allocation of %llu bytes",
-                       (unsigned long long)needs->size);
-
-  const bool shared = !image && needs->size <= SHARED_SIZE && needs->alignment <= GRAIN;
+static csm_result block_take(gpu_device *device, const vulkan_memory_request *request, uint32_t type,
+                             vulkan_memory *out) {
+  const VkMemoryRequirements *needs = &request->needs;
+  const bool shared = !request->image && needs->size <= SHARED_SIZE && needs->alignment <= GRAIN;
   const bool visible = device->memory.memoryTypes[type].propertyFlags & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
   const uint64_t size = shared ? (needs->size + GRAIN - 1) / GRAIN * GRAIN : needs->size;
 
@@ -150,10 +150,11 @@ csm_result vulkan_memory_allocate(gpu_device *device, const VkMemoryRequirements
     if (b->shared && b->type == type && (span = find_span(b, size)))
       block = b;
   if (!block) {
-    const csm_result result = block_create(device, shared ? BLOCK_SIZE : size, type, visible && !image, &block);
+    const csm_result result =
+        block_create(device, shared ? BLOCK_SIZE : size, type, visible && !request->image, &block);
     if (result != CSM_SUCCESS)
       return result;
-    vulkan_name(device, VK_OBJECT_TYPE_DEVICE_MEMORY, (uint64_t)block->handle, shared ? "csm buffers" : name);
+    vulkan_name(device, VK_OBJECT_TYPE_DEVICE_MEMORY, (uint64_t)block->handle, shared ? "csm buffers" : request->name);
     block->shared = shared;
     block->next = device->blocks;
     device->blocks = block;
@@ -172,12 +173,65 @@ csm_result vulkan_memory_allocate(gpu_device *device, const VkMemoryRequirements
   return CSM_SUCCESS;
 }
 
+/* ---- the engine's allocator ---- */
+
+static csm_result engine_allocate(gpu_device *device, const vulkan_memory_request *request, vulkan_memory *out) {
+  const memory_wish wish = wish_of(request->kind);
+  const csm_vulkan_memory_request asked = {.struct_size = sizeof asked,
+                                           .memory_type_bits = request->needs.memoryTypeBits,
+                                           .size = request->needs.size,
+                                           .alignment = request->needs.alignment,
+                                           .image = request->image,
+                                           .buffer = request->buffer,
+                                           .required = wish.required,
+                                           .preferred = wish.preferred,
+                                           .name = request->name};
+  csm_vulkan_memory given = {0};
+  const csm_result result = vulkan_check(device, device->allocate_memory(device->memory_user, &asked, &given),
+                                         "the engine's allocate_memory");
+  if (result != CSM_SUCCESS)
+    return result;
+  const bool visible = wish.required & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
+  if (!given.memory || given.offset % request->needs.alignment || (visible && !given.mapped)) {
+    device->free_memory(device->memory_user, &given);
+    return vulkan_fail(device, CSM_ERROR_DEVICE,
+                       "the engine's allocate_memory gave no memory, or memory that is not aligned, or not mapped");
+  }
+  *out = (vulkan_memory){.handle = given.memory,
+                         .offset = given.offset,
+                         .size = request->needs.size,
+                         .mapped = given.mapped,
+                         .engine = true,
+                         .engine_handle = given.handle};
+  return CSM_SUCCESS;
+}
+
+static void engine_free(gpu_device *device, const vulkan_memory *memory) {
+  const csm_vulkan_memory given = {
+      .memory = memory->handle, .offset = memory->offset, .mapped = memory->mapped, .handle = memory->engine_handle};
+  device->free_memory(device->memory_user, &given);
+}
+
+/* ---- both ---- */
+
+csm_result vulkan_memory_allocate(gpu_device *device, const vulkan_memory_request *request, vulkan_memory *out) {
+  const uint32_t type = vulkan_memory_type(device, request->needs.memoryTypeBits, request->kind);
+  if (type == UINT32_MAX)
+    return vulkan_fail(device, CSM_ERROR_DEVICE, "no memory type of the device fits");
+  if (request->needs.size > device->info.max_allocation_size)
+    return vulkan_fail(device, CSM_ERROR_OUT_OF_DEVICE_MEMORY, "the device allows no allocation of %llu bytes",
+                       (unsigned long long)request->needs.size);
+  return device->allocate_memory ? engine_allocate(device, request, out) : block_take(device, request, type, out);
+}
+
 void vulkan_memory_release(gpu_device *device, vulkan_memory *memory) {
   vulkan_block *block = memory->block;
-  if (!block)
-    return;
-  memory->span->taken = false;
-  merge_free_spans(device, block);
-  destroy_if_free(device, block);
+  if (memory->engine) {
+    engine_free(device, memory);
+  } else if (block) {
+    memory->span->taken = false;
+    merge_free_spans(device, block);
+    destroy_if_free(device, block);
+  }
   *memory = (vulkan_memory){0};
 }

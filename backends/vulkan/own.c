@@ -1,7 +1,8 @@
 /* own.c: the handles of an own device: the Vulkan library, an instance, a physical device, a device. */
 #include "internal.h"
 
-#include <ctype.h>
+#include "../choose.h"
+
 #include <dlfcn.h>
 #include <string.h>
 
@@ -77,47 +78,54 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL log_message(VkDebugUtilsMessageSeverityFla
   return VK_FALSE;
 }
 
-static csm_result create_instance(gpu_device *device, bool validate) {
-  bool layer = false, features = false;
-  csm_result result = find_instance_extension(device, NULL, VK_EXT_DEBUG_UTILS_EXTENSION_NAME, &device->debug);
-  if (result == CSM_SUCCESS && validate)
-    result = find_validation_layer(device, &layer);
-  if (result == CSM_SUCCESS && layer)
-    result = find_instance_extension(device, VALIDATION_LAYER, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME, &features);
-  if (result != CSM_SUCCESS)
-    return result;
-  if (validate && !features)
-    device->host.log(device->host.user, CSM_LOG_WARNING,
-                     layer ? VALIDATION_LAYER " is too old to validate synchronization"
-                           : VALIDATION_LAYER " is not installed: nothing is validated");
+/* What of validation there is: the layer, and its extension that validates synchronization. */
+typedef struct validation {
+  bool layer, features;
+} validation;
 
+static csm_result find_validation(gpu_device *device, validation *out) {
+  csm_result result = find_validation_layer(device, &out->layer);
+  if (result == CSM_SUCCESS && out->layer)
+    result =
+        find_instance_extension(device, VALIDATION_LAYER, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME, &out->features);
+  if (result == CSM_SUCCESS && !out->features)
+    device->host.log(device->host.user, CSM_LOG_WARNING,
+                     out->layer ? VALIDATION_LAYER " is too old to validate synchronization"
+                                : VALIDATION_LAYER " is not installed: nothing is validated");
+  return result;
+}
+
+static VkDebugUtilsMessengerCreateInfoEXT messenger_of(gpu_device *device) {
+  return (VkDebugUtilsMessengerCreateInfoEXT){.sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+                                              .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
+                                                                 VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+                                              .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT,
+                                              .pfnUserCallback = log_message,
+                                              .pUserData = device};
+}
+
+static csm_result instance_create(gpu_device *device, const validation *on) {
   const VkValidationFeatureEnableEXT enabled[] = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
-  const VkValidationFeaturesEXT validation = {.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
-                                              .enabledValidationFeatureCount = 1,
-                                              .pEnabledValidationFeatures = enabled};
-  const VkDebugUtilsMessengerCreateInfoEXT messenger = {
-      .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
-      .pNext = features ? &validation : NULL,
-      .messageSeverity =
-          VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
-      .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT,
-      .pfnUserCallback = log_message,
-      .pUserData = device};
+  const VkValidationFeaturesEXT features = {.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
+                                            .enabledValidationFeatureCount = 1,
+                                            .pEnabledValidationFeatures = enabled};
+  VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_of(device);
+  messenger.pNext = on->features ? &features : NULL;
   const char *layers[] = {VALIDATION_LAYER};
   const char *extensions[2];
   uint32_t extension_count = 0;
   if (device->debug)
     extensions[extension_count++] = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
-  if (features)
+  if (on->features)
     extensions[extension_count++] = VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME;
   const VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
                                          .pApplicationName = "csm",
                                          .applicationVersion = CSM_VERSION,
                                          .apiVersion = VK_API_VERSION_1_1};
   const VkInstanceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
-                                     .pNext = layer && device->debug ? &messenger : NULL,
+                                     .pNext = on->layer && device->debug ? &messenger : NULL,
                                      .pApplicationInfo = &application,
-                                     .enabledLayerCount = layer,
+                                     .enabledLayerCount = on->layer,
                                      .ppEnabledLayerNames = layers,
                                      .enabledExtensionCount = extension_count,
                                      .ppEnabledExtensionNames = extensions};
@@ -126,28 +134,43 @@ static csm_result create_instance(gpu_device *device, bool validate) {
     device->instance = VK_NULL_HANDLE; /* it is undefined then */
   if (created == VK_ERROR_INCOMPATIBLE_DRIVER)
     return vulkan_fail(device, CSM_ERROR_NO_DEVICE, "no Vulkan driver is installed");
-  result = vulkan_check(device, created, "vkCreateInstance");
+  return vulkan_check(device, created, "vkCreateInstance");
+}
+
+static csm_result create_instance(gpu_device *device, bool validate) {
+  validation on = {0};
+  csm_result result = find_instance_extension(device, NULL, VK_EXT_DEBUG_UTILS_EXTENSION_NAME, &device->debug);
+  if (result == CSM_SUCCESS && validate)
+    result = find_validation(device, &on);
+  if (result == CSM_SUCCESS)
+    result = instance_create(device, &on);
   if (result != CSM_SUCCESS)
     return result;
   if (!vulkan_load_instance(&device->vk, device->instance, true))
     return vulkan_fail(device, CSM_ERROR_NO_DEVICE, "the Vulkan instance lacks functions of Vulkan 1.1");
   device->debug = device->debug && vulkan_load_debug(&device->vk, device->instance, true);
-  if (!layer || !device->debug)
+  if (!on.layer || !device->debug)
     return CSM_SUCCESS;
-  VkDebugUtilsMessengerCreateInfoEXT own_messenger = messenger;
-  own_messenger.pNext = NULL;
-  return vulkan_made(
-      device, device->vk.CreateDebugUtilsMessengerEXT(device->instance, &own_messenger, NULL, &device->messenger),
-      &device->messenger, "vkCreateDebugUtilsMessengerEXT");
+  const VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_of(device);
+  return vulkan_made(device,
+                     device->vk.CreateDebugUtilsMessengerEXT(device->instance, &messenger, NULL, &device->messenger),
+                     &device->messenger, "vkCreateDebugUtilsMessengerEXT");
 }
 
 /* ---- the physical device ---- */
 
+/* One that computes too comes first: where there is a graphics queue, Vulkan promises one. */
 static uint32_t find_graphics_queue(const gpu_device *device, VkPhysicalDevice physical) {
+  const VkQueueFlags both = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+  uint32_t found = UINT32_MAX;
   for (uint32_t family = 0;; family++) {
     const VkQueueFlags flags = vulkan_queue_flags(device, physical, family, NULL);
-    if (!flags || (flags & VK_QUEUE_GRAPHICS_BIT))
-      return flags ? family : UINT32_MAX;
+    if ((flags & both) == both)
+      return family;
+    if ((flags & VK_QUEUE_GRAPHICS_BIT) && found == UINT32_MAX)
+      found = family;
+    if (!flags)
+      return found;
   }
 }
 
@@ -159,47 +182,20 @@ static const char *missing(const gpu_device *device, VkPhysicalDevice physical) 
   return !lacks && find_graphics_queue(device, physical) == UINT32_MAX ? "a graphics queue" : lacks;
 }
 
-/* Lower is better. */
-static uint32_t rank(VkPhysicalDeviceType type) {
-  switch (type) {
-  case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
-    return 0;
-  case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
-    return 1;
-  case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
-    return 2;
-  case VK_PHYSICAL_DEVICE_TYPE_CPU:
-    return 3;
-  default:
-    return 4;
-  }
-}
-
-static bool contains(const char *text, const char *part) {
-  for (;; text++) {
-    size_t i = 0;
-    while (part[i] && tolower((unsigned char)text[i]) == tolower((unsigned char)part[i]))
-      i++;
-    if (!part[i])
-      return true;
-    if (!*text)
-      return false;
-  }
-}
-
 static csm_result select_from(gpu_device *device, const char *name, const VkPhysicalDevice *list, uint32_t count) {
-  uint32_t best = UINT32_MAX;
+  uint32_t best = 0;
   char lack[sizeof device->info.name + 64] = "";
   for (uint32_t i = 0; i < count; i++) {
     VkPhysicalDeviceProperties properties;
     device->vk.GetPhysicalDeviceProperties(list[i], &properties);
-    if (name && !contains(properties.deviceName, name))
+    if (!choose_fits(properties.deviceName, name))
       continue;
+    const uint32_t rank = choose_rank(vulkan_device_type(properties.deviceType));
     const char *lacks = missing(device, list[i]);
     if (lacks) {
       vulkan_text(lack, sizeof lack, "; %s lacks %s", properties.deviceName, lacks);
-    } else if (rank(properties.deviceType) < best) {
-      best = rank(properties.deviceType);
+    } else if (rank > best) {
+      best = rank;
       device->physical = list[i];
     }
   }
@@ -228,6 +224,11 @@ static csm_result select_physical(gpu_device *device, const char *name) {
   return result;
 }
 
+/* Dynamic rendering, and what of it Vulkan 1.1 has not. */
+static const char *const rendering_extensions[] = {VK_KHR_DYNAMIC_RENDERING_EXTENSION_NAME,
+                                                   VK_KHR_DEPTH_STENCIL_RESOLVE_EXTENSION_NAME,
+                                                   VK_KHR_CREATE_RENDERPASS_2_EXTENSION_NAME};
+
 /* Which optional extensions there are. */
 static csm_result find_device_extensions(gpu_device *device) {
   uint32_t count = 0;
@@ -241,9 +242,28 @@ static csm_result find_device_extensions(gpu_device *device) {
   if (result >= 0) {
     device->driver_properties = has_extension(extensions, count, VK_KHR_DRIVER_PROPERTIES_EXTENSION_NAME);
     device->memory_budget = has_extension(extensions, count, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
+    device->dynamic_rendering = true;
+    for (uint32_t i = 0; i < sizeof rendering_extensions / sizeof *rendering_extensions; i++)
+      device->dynamic_rendering &= has_extension(extensions, count, rendering_extensions[i]);
   }
   vulkan_release(device, extensions);
   return vulkan_check(device, result, "vkEnumerateDeviceExtensionProperties");
+}
+
+/* The features that are used where they are there. */
+static void find_features(gpu_device *device) {
+  VkPhysicalDeviceDynamicRenderingFeatures rendering = {
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DYNAMIC_RENDERING_FEATURES};
+  VkPhysicalDeviceFeatures2 all = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2,
+                                   .pNext = device->dynamic_rendering ? &rendering : NULL};
+  device->vk.GetPhysicalDeviceFeatures2(device->physical, &all);
+  device->dynamic_rendering = rendering.dynamicRendering;
+  device->features =
+      (VkPhysicalDeviceFeatures){.depthClamp = VK_TRUE,
+                                 .depthBiasClamp = all.features.depthBiasClamp,
+                                 .samplerAnisotropy = all.features.samplerAnisotropy,
+                                 .fragmentStoresAndAtomics = all.features.fragmentStoresAndAtomics,
+                                 .shaderStorageImageExtendedFormats = all.features.shaderStorageImageExtendedFormats};
 }
 
 csm_result vulkan_own_select(gpu_device *device, const gpu_open_info *info) {
@@ -252,31 +272,39 @@ csm_result vulkan_own_select(gpu_device *device, const gpu_open_info *info) {
     result = create_instance(device, info->validate);
   if (result == CSM_SUCCESS)
     result = select_physical(device, info->device_name);
+  if (result == CSM_SUCCESS)
+    result = find_device_extensions(device);
   if (result != CSM_SUCCESS)
     return result;
-  VkPhysicalDeviceFeatures features;
-  device->vk.GetPhysicalDeviceFeatures(device->physical, &features);
-  device->bias_clamp = features.depthBiasClamp;
   device->queue_family = find_graphics_queue(device, device->physical);
-  return find_device_extensions(device);
+  find_features(device);
+  return CSM_SUCCESS;
 }
 
 /* ---- the device ---- */
 
 csm_result vulkan_own_open(gpu_device *device) {
+  enum { RENDERING_COUNT = sizeof rendering_extensions / sizeof *rendering_extensions };
   const float priority = 1;
   const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                          .queueFamilyIndex = device->queue_family,
                                          .queueCount = 1,
                                          .pQueuePriorities = &priority};
-  const VkPhysicalDeviceFeatures features = {.depthClamp = VK_TRUE, .depthBiasClamp = device->bias_clamp};
-  const char *const extensions[] = {VK_EXT_MEMORY_BUDGET_EXTENSION_NAME};
+  const char *extensions[1 + RENDERING_COUNT];
+  uint32_t count = 0;
+  if (device->memory_budget)
+    extensions[count++] = VK_EXT_MEMORY_BUDGET_EXTENSION_NAME;
+  for (uint32_t i = 0; device->dynamic_rendering && i < RENDERING_COUNT; i++)
+    extensions[count++] = rendering_extensions[i];
+  const VkPhysicalDeviceDynamicRenderingFeatures rendering = {
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DYNAMIC_RENDERING_FEATURES, .dynamicRendering = VK_TRUE};
   const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                   .pNext = device->dynamic_rendering ? &rendering : NULL,
                                    .queueCreateInfoCount = 1,
                                    .pQueueCreateInfos = &queue,
-                                   .enabledExtensionCount = device->memory_budget,
+                                   .enabledExtensionCount = count,
                                    .ppEnabledExtensionNames = extensions,
-                                   .pEnabledFeatures = &features};
+                                   .pEnabledFeatures = &device->features};
   const VkResult created = device->vk.CreateDevice(device->physical, &info, NULL, &device->handle);
   if (created != VK_SUCCESS)
     device->handle = VK_NULL_HANDLE; /* it is undefined then */

@@ -1,19 +1,22 @@
-/* resource.c: buffers, images, and the targets that draws go into. */
+/* resource.c: buffers, images and views. */
 #include "internal.h"
 
 /* ---- buffers ---- */
 
-static VkBufferUsageFlags buffer_usage(gpu_buffer_kind kind) {
-  const VkBufferUsageFlags geometry = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
-  switch (kind) {
-  case GPU_BUFFER_DEVICE:
-    return geometry | VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
-  case GPU_BUFFER_UPLOAD:
-    return geometry | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
-  case GPU_BUFFER_READBACK:
-    break;
-  }
-  return VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+static VkBufferUsageFlags buffer_usage(const gpu_buffer_info *info) {
+  VkBufferUsageFlags usage =
+      VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT;
+  if (info->kind == GPU_BUFFER_READBACK)
+    return VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  if (info->kind == GPU_BUFFER_DEVICE)
+    usage |= VK_BUFFER_USAGE_TRANSFER_DST_BIT;
+  else
+    usage |= VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT;
+  if (info->usage & (GPU_BUFFER_READ | GPU_BUFFER_WRITE))
+    usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+  if (info->usage & GPU_BUFFER_INDIRECT)
+    usage |= VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
+  return usage;
 }
 
 csm_result vulkan_buffer_create(gpu_device *device, const gpu_buffer_info *info, gpu_buffer **out) {
@@ -23,10 +26,12 @@ csm_result vulkan_buffer_create(gpu_device *device, const gpu_buffer_info *info,
   if (!buffer)
     return CSM_ERROR_OUT_OF_MEMORY;
   buffer->kind = info->kind;
+  buffer->size = info->size;
+  device->buffer_usage |= info->usage;
 
   const VkBufferCreateInfo create = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
                                      .size = info->size,
-                                     .usage = buffer_usage(info->kind),
+                                     .usage = buffer_usage(info),
                                      .sharingMode = VK_SHARING_MODE_EXCLUSIVE};
   csm_result result = vulkan_made(device, vk->CreateBuffer(device->handle, &create, NULL, &buffer->handle),
                                   &buffer->handle, "vkCreateBuffer");
@@ -34,9 +39,9 @@ csm_result vulkan_buffer_create(gpu_device *device, const gpu_buffer_info *info,
     goto failed;
   vulkan_name(device, VK_OBJECT_TYPE_BUFFER, (uint64_t)buffer->handle, info->name);
 
-  VkMemoryRequirements needs;
-  vk->GetBufferMemoryRequirements(device->handle, buffer->handle, &needs);
-  result = vulkan_memory_allocate(device, &needs, info->kind, false, info->name, &buffer->memory);
+  vulkan_memory_request request = {.kind = info->kind, .buffer = buffer->handle, .name = info->name};
+  vk->GetBufferMemoryRequirements(device->handle, buffer->handle, &request.needs);
+  result = vulkan_memory_allocate(device, &request, &buffer->memory);
   if (result != CSM_SUCCESS)
     goto failed;
   result = vulkan_check(
@@ -75,6 +80,8 @@ static VkImageUsageFlags image_usage(const gpu_image_info *info) {
                    : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
   if (info->usage & GPU_IMAGE_SAMPLED)
     usage |= VK_IMAGE_USAGE_SAMPLED_BIT;
+  if (info->usage & GPU_IMAGE_STORED)
+    usage |= VK_IMAGE_USAGE_STORAGE_BIT;
   if (info->usage & GPU_IMAGE_COPY_SOURCE)
     usage |= VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
   if (info->usage & GPU_IMAGE_COPY_TARGET)
@@ -82,19 +89,34 @@ static VkImageUsageFlags image_usage(const gpu_image_info *info) {
   return usage;
 }
 
-static csm_result view_create(gpu_device *device, const gpu_image *image, VkImageViewType type, uint32_t layer,
-                              uint32_t layer_count, const char *name, VkImageView *out) {
-  const VkImageViewCreateInfo info = {
-      .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
-      .image = image->handle,
-      .viewType = type,
-      .format = vulkan_format(image->format),
-      .subresourceRange = {
-          .aspectMask = image->aspect, .levelCount = 1, .baseArrayLayer = layer, .layerCount = layer_count}};
+gpu_range vulkan_range(const gpu_image *image, const gpu_range *range) {
+  gpu_range all = range ? *range : (gpu_range){0};
+  if (all.layer_count == 0)
+    all.layer_count = image->layer_count - all.first_layer;
+  if (all.level_count == 0)
+    all.level_count = image->level_count - all.first_level;
+  return all;
+}
+
+VkImageSubresourceRange vulkan_subresources(const gpu_image *image, const gpu_range *range) {
+  return (VkImageSubresourceRange){.aspectMask = image->aspect,
+                                   .baseMipLevel = range->first_level,
+                                   .levelCount = range->level_count,
+                                   .baseArrayLayer = range->first_layer,
+                                   .layerCount = range->layer_count};
+}
+
+csm_result vulkan_image_view(gpu_device *device, const gpu_view_info *view, VkImageView *out) {
+  const gpu_range range = vulkan_range(view->image, &view->range);
+  const VkImageViewCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+                                      .image = view->image->handle,
+                                      .viewType = view->array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
+                                      .format = vulkan_format(view->image->format),
+                                      .subresourceRange = vulkan_subresources(view->image, &range)};
   const csm_result result =
       vulkan_made(device, device->vk.CreateImageView(device->handle, &info, NULL, out), out, "vkCreateImageView");
   if (result == CSM_SUCCESS)
-    vulkan_name(device, VK_OBJECT_TYPE_IMAGE_VIEW, (uint64_t)*out, name);
+    vulkan_name(device, VK_OBJECT_TYPE_IMAGE_VIEW, (uint64_t)*out, view->name);
   return result;
 }
 
@@ -104,7 +126,7 @@ static csm_result image_handle_create(gpu_device *device, gpu_image *image, cons
                                     .imageType = VK_IMAGE_TYPE_2D,
                                     .format = vulkan_format(info->format),
                                     .extent = {info->width, info->height, 1},
-                                    .mipLevels = 1,
+                                    .mipLevels = image->level_count,
                                     .arrayLayers = info->layers,
                                     .samples = VK_SAMPLE_COUNT_1_BIT,
                                     .tiling = VK_IMAGE_TILING_OPTIMAL,
@@ -117,9 +139,9 @@ static csm_result image_handle_create(gpu_device *device, gpu_image *image, cons
     return result;
   vulkan_name(device, VK_OBJECT_TYPE_IMAGE, (uint64_t)image->handle, info->name);
 
-  VkMemoryRequirements needs;
-  vk->GetImageMemoryRequirements(device->handle, image->handle, &needs);
-  result = vulkan_memory_allocate(device, &needs, GPU_BUFFER_DEVICE, true, info->name, &image->memory);
+  vulkan_memory_request request = {.kind = GPU_BUFFER_DEVICE, .image = image->handle, .name = info->name};
+  vk->GetImageMemoryRequirements(device->handle, image->handle, &request.needs);
+  result = vulkan_memory_allocate(device, &request, &image->memory);
   if (result != CSM_SUCCESS)
     return result;
   return vulkan_check(device,
@@ -129,7 +151,9 @@ static csm_result image_handle_create(gpu_device *device, gpu_image *image, cons
 
 csm_result vulkan_image_create(gpu_device *device, const gpu_image_info *info, gpu_image **out) {
   *out = NULL;
-  gpu_image *image = vulkan_allocate(device, sizeof *image + 2 * info->layers * sizeof *image->layers);
+  const uint32_t levels = info->levels ? info->levels : 1;
+  const size_t pieces = (size_t)info->layers * levels;
+  gpu_image *image = vulkan_allocate(device, sizeof *image + 2 * pieces * sizeof *image->pieces);
   if (!image)
     return CSM_ERROR_OUT_OF_MEMORY;
   image->format = info->format;
@@ -137,13 +161,14 @@ csm_result vulkan_image_create(gpu_device *device, const gpu_image_info *info, g
   image->height = info->height;
   image->layer_count = info->layers;
   image->sampled_layout = device->read.layout;
-  image->before = image->layers + info->layers;
+  image->level_count = levels;
+  image->before = image->pieces + pieces;
   image->aspect = gpu_format_is_depth(info->format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
 
   csm_result result = image_handle_create(device, image, info);
   if (result == CSM_SUCCESS && (info->usage & GPU_IMAGE_SAMPLED))
-    result = view_create(device, image, info->array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D, 0,
-                         info->layers, info->name, &image->view);
+    result = vulkan_image_view(device, &(gpu_view_info){.name = info->name, .image = image, .array = info->array},
+                               &image->view);
   if (result == CSM_SUCCESS)
     *out = image;
   else
@@ -179,65 +204,26 @@ void vulkan_image_describe(gpu_device *device, const gpu_image *image, uint64_t 
   (void)descriptor;
 }
 
-/* ---- targets ---- */
+/* ---- views ---- */
 
-static csm_result framebuffer_create(gpu_device *device, gpu_target *target, const char *name) {
-  VkImageView views[2];
-  uint32_t count = 0;
-  if (target->depth)
-    views[count++] = target->depth_view;
-  if (target->color)
-    views[count++] = target->color_view;
-  const VkFramebufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
-                                        .renderPass = target->pass,
-                                        .attachmentCount = count,
-                                        .pAttachments = views,
-                                        .width = target->width,
-                                        .height = target->height,
-                                        .layers = 1};
-  const csm_result result =
-      vulkan_made(device, device->vk.CreateFramebuffer(device->handle, &info, NULL, &target->framebuffer),
-                  &target->framebuffer, "vkCreateFramebuffer");
-  if (result == CSM_SUCCESS)
-    vulkan_name(device, VK_OBJECT_TYPE_FRAMEBUFFER, (uint64_t)target->framebuffer, name);
-  return result;
-}
-
-csm_result vulkan_target_create(gpu_device *device, const gpu_target_info *info, gpu_target **out) {
+csm_result vulkan_view_create(gpu_device *device, const gpu_view_info *info, gpu_view **out) {
   *out = NULL;
-  gpu_target *target = vulkan_allocate(device, sizeof *target);
-  if (!target)
+  gpu_view *view = vulkan_allocate(device, sizeof *view);
+  if (!view)
     return CSM_ERROR_OUT_OF_MEMORY;
-  target->depth = info->depth;
-  target->depth_layer = info->depth_layer;
-  target->color = info->color;
-  target->color_layer = info->color_layer;
-  const gpu_image *image = info->depth ? info->depth : info->color;
-  target->width = image->width;
-  target->height = image->height;
-
-  csm_result result = vulkan_pass_get(device, info->depth ? info->depth->format : GPU_FORMAT_NONE,
-                                      info->color ? info->color->format : GPU_FORMAT_NONE, &target->pass);
-  if (result == CSM_SUCCESS && info->depth)
-    result =
-        view_create(device, info->depth, VK_IMAGE_VIEW_TYPE_2D, info->depth_layer, 1, info->name, &target->depth_view);
-  if (result == CSM_SUCCESS && info->color)
-    result =
-        view_create(device, info->color, VK_IMAGE_VIEW_TYPE_2D, info->color_layer, 1, info->name, &target->color_view);
+  view->image = info->image;
+  view->range = vulkan_range(info->image, &info->range);
+  const csm_result result = vulkan_image_view(device, info, &view->handle);
   if (result == CSM_SUCCESS)
-    result = framebuffer_create(device, target, info->name);
-  if (result == CSM_SUCCESS)
-    *out = target;
+    *out = view;
   else
-    vulkan_target_destroy(device, target);
+    vulkan_release(device, view);
   return result;
 }
 
-void vulkan_target_destroy(gpu_device *device, gpu_target *target) {
-  if (!target)
+void vulkan_view_destroy(gpu_device *device, gpu_view *view) {
+  if (!view)
     return;
-  device->vk.DestroyFramebuffer(device->handle, target->framebuffer, NULL);
-  device->vk.DestroyImageView(device->handle, target->color_view, NULL);
-  device->vk.DestroyImageView(device->handle, target->depth_view, NULL);
-  vulkan_release(device, target);
+  device->vk.DestroyImageView(device->handle, view->handle, NULL);
+  vulkan_release(device, view);
 }

@@ -88,8 +88,8 @@ static void draw_mask(smoke *s) {
   memcpy(upload + AT_SIZE, (const float[4]){1.0f / SIZE, 1.0f / SIZE}, 16);
   s->gpu->clear_depth(s->device, s->map, 1);
   draw_pass(s, s->map_targets[0], s->depth, slot->upload, 0, 2, 4);
-  s->gpu->make_readable(s->device, s->map);
-  s->gpu->pass_begin(s->device, s->mask_target);
+  s->gpu->make_readable(s->device, s->map, NULL);
+  s->gpu->pass_begin(s->device, &(gpu_pass_info){.target = s->mask_target, .color_load = GPU_LOAD_DISCARD});
   s->gpu->pass_program(s->device, s->compare);
   s->gpu->pass_bind(s->device, slot->bindings, (const uint32_t[]){AT_WHICH, AT_SIZE});
   s->gpu->pass_draw(s->device, &(gpu_draw){.count = 3, .instance_count = 1});
@@ -99,8 +99,8 @@ static void draw_mask(smoke *s) {
 
 void test_regions(smoke *s) {
   draw_mask(s);
-  test_region(s, (gpu_region){0, 0, 0, SIZE, SIZE}, 0, SIZE);
-  test_region(s, (gpu_region){0, 100, 120, 70, 33}, 1024, 256);
-  test_region(s, (gpu_region){0, 0, 127, SIZE, 2}, 512, 512);
-  test_region(s, (gpu_region){0, SIZE - 1, SIZE - 1, 1, 1}, 0, 256);
+  test_region(s, (gpu_region){0, 0, 0, SIZE, SIZE, 0}, 0, SIZE);
+  test_region(s, (gpu_region){0, 100, 120, 70, 33, 0}, 1024, 256);
+  test_region(s, (gpu_region){0, 0, 127, SIZE, 2, 0}, 512, 512);
+  test_region(s, (gpu_region){0, SIZE - 1, SIZE - 1, 1, 1, 0}, 0, 256);
 }

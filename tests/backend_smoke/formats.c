@@ -32,19 +32,32 @@ void test_d16(smoke *s) {
   CHECK(s, count_units(depth, 100) == SIZE * SIZE / 2 && count_units(depth, 101) == SIZE * SIZE / 2, "nearer by one");
 }
 
-/* What an engine is told that it draws into: numbers of VkFormat, or of DXGI_FORMAT. */
+static bool same_native(const gpu_native_target *a, const gpu_native_target *b) {
+  return a->depth_format == b->depth_format && a->color_format == b->color_format && a->render_pass == b->render_pass &&
+         a->dynamic_rendering == b->dynamic_rendering;
+}
+
+/* What an engine is told that it draws into, before and in the pass: numbers of VkFormat, or of DXGI_FORMAT. */
 void test_native(smoke *s) {
-  const bool vulkan = !strcmp(s->gpu->name, "vulkan");
+  const bool vulkan = s->gpu->api == GPU_API_VULKAN;
   const smoke_surface *surfaces[] = {&s->plain, &s->plain16};
   const uint32_t formats[] = {vulkan ? 126 : 40, vulkan ? 124 : 55};
+  gpu_device_info info;
+  s->gpu->describe(s->device, &info);
   begin(s, 0);
   for (uint32_t i = 0; i < 2; i++) {
     gpu_native_pass native = {0};
     s->gpu->clear_depth(s->device, surfaces[i]->image, 1);
-    s->gpu->pass_begin(s->device, surfaces[i]->target);
+    s->gpu->pass_begin(s->device, &(gpu_pass_info){.target = surfaces[i]->target});
     s->gpu->pass_native(s->device, &native);
     s->gpu->pass_end(s->device);
-    CHECK(s, native.depth_format == formats[i], "format %u, not %u", native.depth_format, formats[i]);
+    gpu_native_target told = {0};
+    const csm_result result = s->gpu->target_native(s->device, surfaces[i]->format, GPU_FORMAT_NONE, &told);
+    CHECK(s, result == CSM_SUCCESS, "target_native: %d", result);
+    CHECK(s, told.depth_format == formats[i] && !told.color_format, "format %u, not %u", told.depth_format, formats[i]);
+    CHECK(s, same_native(&told, &native.target), "not what was told beforehand");
+    CHECK(s, vulkan == (told.render_pass || told.dynamic_rendering), "neither a render pass nor dynamic rendering");
+    CHECK(s, told.dynamic_rendering == info.can.dynamic_rendering, "dynamic rendering, or not");
   }
   end_and_wait(s, 0);
 }
@@ -78,7 +91,7 @@ void test_clears(smoke *s) {
   const float depths[] = {0, 1, 0.3f, 1, 0};
   for (uint32_t f = 0; f < 2; f++) {
     gpu_image *image = make_image(
-        s, (gpu_image_info){"cleared", formats[f], GPU_IMAGE_TARGET | GPU_IMAGE_COPY_SOURCE, 100, 600, 2, true});
+        s, (gpu_image_info){"cleared", formats[f], GPU_IMAGE_TARGET | GPU_IMAGE_COPY_SOURCE, 100, 600, 2, true, 1});
     for (uint32_t i = 0; i < sizeof depths / sizeof *depths; i++)
       check_clear(s, image, formats[f], depths[i]);
     s->gpu->image_destroy(s->device, image);
@@ -101,7 +114,7 @@ typedef struct smoke_map {
 static smoke_map make_map(smoke *s, gpu_format format) {
   const uint32_t usage = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED | GPU_IMAGE_COPY_SOURCE;
   smoke_map map = {.format = format, .draw = format == GPU_FORMAT_D16_UNORM ? s->depth16 : s->depth};
-  map.image = make_image(s, (gpu_image_info){"map", format, usage, SIZE, SIZE, MAP_LAYERS, true});
+  map.image = make_image(s, (gpu_image_info){"map", format, usage, SIZE, SIZE, MAP_LAYERS, true, 1});
   CHECK(s, s->gpu->image_bytes(map.image) >= MAP_LAYERS * SIZE * SIZE * gpu_format_bytes(format), "too few bytes");
   map.target = make_target(s, (gpu_target_info){.name = "map", .depth = map.image, .depth_layer = MAP_LAYER});
   return map;
@@ -133,8 +146,8 @@ static void record_read(smoke *s, const smoke_map *map, const quad *quads, uint3
   memcpy(upload + AT_SIZE, (const float[4]){1.0f / SIZE, 1.0f / SIZE}, 16);
   s->gpu->clear_depth(s->device, map->image, 1);
   draw_pass(s, map->target, map->draw, s->slots[0].upload, 0, count, 4);
-  s->gpu->make_readable(s->device, map->image);
-  s->gpu->pass_begin(s->device, target);
+  s->gpu->make_readable(s->device, map->image, NULL);
+  s->gpu->pass_begin(s->device, &(gpu_pass_info){.target = target, .color_load = GPU_LOAD_DISCARD});
   s->gpu->pass_program(s->device, program);
   s->gpu->pass_bind(s->device, bindings, (const uint32_t[]){AT_WHICH, AT_SIZE});
   s->gpu->pass_draw(s->device, &(gpu_draw){.count = 3, .instance_count = 1});
@@ -209,7 +222,7 @@ static void check_pairs(smoke *s, const smoke_surface *pairs, gpu_program *progr
   record_read(s, &map, quads, 2, pairs->target, program, bindings, (const float[4]){MAP_LAYER, scale});
   copy_layer(s, readback, AT_MAP, map.image, format, MAP_LAYER);
   s->gpu->copy_image(s->device, readback, 0, PAIR_ROW, pairs->image, &(gpu_region){.width = HALF, .height = HALF});
-  s->gpu->copy_image(s->device, readback, AT_PIECE, 256, pairs->image, &(gpu_region){0, 9, 5, 30, 7});
+  s->gpu->copy_image(s->device, readback, AT_PIECE, 256, pairs->image, &(gpu_region){0, 9, 5, 30, 7, 0});
   end_and_wait(s, 0);
   const char *bytes = s->gpu->buffer_memory(readback);
   const uint32_t wrong = wrong_pairs(&map, bytes + AT_MAP, (const float *)bytes, scale, slack);
@@ -224,7 +237,7 @@ void test_pairs(smoke *s) {
   const uint32_t usage = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED | GPU_IMAGE_COPY_SOURCE;
   gpu_program *program = make_program(s, screen_program("pairs", shader_pairs_ps, GPU_FORMAT_RG32_FLOAT));
   smoke_surface pairs = {.format = GPU_FORMAT_RG32_FLOAT};
-  pairs.image = make_image(s, (gpu_image_info){"pairs", pairs.format, usage, HALF, HALF, 1, false});
+  pairs.image = make_image(s, (gpu_image_info){"pairs", pairs.format, usage, HALF, HALF, 1, false, 1});
   pairs.target = make_target(s, (gpu_target_info){.name = "pairs", .color = pairs.image});
   check_pairs(s, &pairs, program, GPU_FORMAT_D32_FLOAT);
   check_pairs(s, &pairs, program, GPU_FORMAT_D16_UNORM);

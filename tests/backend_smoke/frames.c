@@ -49,9 +49,9 @@ static void record_frame(smoke *s, uint32_t frame) {
   if (frame % 4 == 2) /* this frame has just read it */
     upload_geometry(s);
   gpu->timestamp(s->device, 1);
-  gpu->make_readable(s->device, s->map);
+  gpu->make_readable(s->device, s->map, NULL);
   for (uint32_t i = 0; i < LAYERS; i++) {
-    gpu->pass_begin(s->device, s->mask_target);
+    gpu->pass_begin(s->device, &(gpu_pass_info){.target = s->mask_target, .color_load = GPU_LOAD_DISCARD});
     gpu->pass_program(s->device, s->compare);
     const uint32_t offsets[] = {AT_WHICH + i * BLOCK, AT_SIZE};
     gpu->pass_bind(s->device, slot->bindings, offsets);

@@ -145,7 +145,7 @@ static void test_successive_areas(smoke *s) {
   for (uint32_t i = 0; i < 3; i++)
     write_rows(rows + i * 12, all[i]);
   s->gpu->clear_depth(s->device, s->plain.image, 1);
-  s->gpu->pass_begin(s->device, s->plain.target);
+  s->gpu->pass_begin(s->device, &(gpu_pass_info){.target = s->plain.target});
   s->gpu->pass_program(s->device, s->depth);
   for (uint32_t i = 0; i < 2; i++) {
     s->gpu->pass_area(s->device, &areas[i]);

@@ -88,7 +88,7 @@ static void make_programs(smoke *s) {
 static smoke_surface make_surface(smoke *s, const char *name, gpu_format format) {
   const uint32_t usage = GPU_IMAGE_TARGET | GPU_IMAGE_COPY_SOURCE;
   smoke_surface surface = {.format = format};
-  surface.image = make_image(s, (gpu_image_info){name, format, usage, SIZE, SIZE, 1, false});
+  surface.image = make_image(s, (gpu_image_info){name, format, usage, SIZE, SIZE, 1, false, 1});
   surface.target = make_target(s, (gpu_target_info){.name = name, .depth = surface.image});
   return surface;
 }
@@ -101,8 +101,8 @@ static void free_surface(smoke *s, const smoke_surface *surface) {
 void make_objects(smoke *s) {
   make_programs(s);
   const uint32_t all = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED | GPU_IMAGE_COPY_SOURCE;
-  s->map = make_image(s, (gpu_image_info){"map", GPU_FORMAT_D32_FLOAT, all, SIZE, SIZE, LAYERS, true});
-  s->mask = make_image(s, (gpu_image_info){"mask", GPU_FORMAT_R8_UNORM, all, SIZE, SIZE, 1, false});
+  s->map = make_image(s, (gpu_image_info){"map", GPU_FORMAT_D32_FLOAT, all, SIZE, SIZE, LAYERS, true, 1});
+  s->mask = make_image(s, (gpu_image_info){"mask", GPU_FORMAT_R8_UNORM, all, SIZE, SIZE, 1, false, 1});
   s->plain = make_surface(s, "plain", GPU_FORMAT_D32_FLOAT);
   s->plain16 = make_surface(s, "plain 16", GPU_FORMAT_D16_UNORM);
   CHECK(s, s->gpu->image_bytes(s->map) >= (uint64_t)LAYERS * LAYER_BYTES, "too few bytes");
@@ -110,7 +110,7 @@ void make_objects(smoke *s) {
   s->gpu->image_native(s->device, s->map, &native);
   CHECK(s, native.image != 0, "no native handle");
   const bool samplers = native.sampler && native.sampler_reversed && native.sampler != native.sampler_reversed;
-  CHECK(s, samplers == !strcmp(s->gpu->name, "vulkan"), "samplers %llx, %llx", (unsigned long long)native.sampler,
+  CHECK(s, samplers == (s->gpu->api == GPU_API_VULKAN), "samplers %llx, %llx", (unsigned long long)native.sampler,
         (unsigned long long)native.sampler_reversed);
   for (uint32_t i = 0; i < LAYERS; i++)
     s->map_targets[i] = make_target(s, (gpu_target_info){.name = "map layer", .depth = s->map, .depth_layer = i});
@@ -178,7 +178,7 @@ void draw_quads(smoke *s, gpu_buffer *rows, uint32_t first, uint32_t count, uint
 
 void draw_pass(smoke *s, gpu_target *target, gpu_program *program, gpu_buffer *rows, uint32_t first, uint32_t count,
                uint32_t index_size) {
-  s->gpu->pass_begin(s->device, target);
+  s->gpu->pass_begin(s->device, &(gpu_pass_info){.target = target});
   s->gpu->pass_program(s->device, program);
   draw_quads(s, rows, first, count, index_size);
   s->gpu->pass_end(s->device);
@@ -213,7 +213,7 @@ const void *draw_surface(smoke *s, const smoke_surface *surface, gpu_program *pr
   for (uint32_t i = 0; i < count; i++)
     write_rows(rows + i * 12, quads[i]);
   s->gpu->clear_depth(s->device, surface->image, clear);
-  s->gpu->pass_begin(s->device, surface->target);
+  s->gpu->pass_begin(s->device, &(gpu_pass_info){.target = surface->target});
   if (area)
     s->gpu->pass_area(s->device, area);
   s->gpu->pass_program(s->device, program);

@@ -215,18 +215,19 @@ static csm_result make_images(bench *b) {
   gpu_device *device = b->gpu.device;
   const uint32_t read = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED, copy = read | GPU_IMAGE_COPY_SOURCE;
   csm_result result = api->image_create(
-      device, &(gpu_image_info){"maps", GPU_FORMAT_D32_FLOAT, read, RESOLUTION, RESOLUTION, CASCADES, true}, &b->maps);
+      device, &(gpu_image_info){"maps", GPU_FORMAT_D32_FLOAT, read, RESOLUTION, RESOLUTION, CASCADES, true, 1},
+      &b->maps);
   for (uint32_t i = 0; i < CASCADES && !result; ++i)
     result = api->target_create(device, &(gpu_target_info){.name = "map", .depth = b->maps, .depth_layer = i},
                                 &b->map_targets[i]);
   if (!result)
-    result = api->image_create(device, &(gpu_image_info){"depth", GPU_FORMAT_D32_FLOAT, read, WIDTH, HEIGHT, 1, false},
-                               &b->depth);
+    result = api->image_create(
+        device, &(gpu_image_info){"depth", GPU_FORMAT_D32_FLOAT, read, WIDTH, HEIGHT, 1, false, 1}, &b->depth);
   if (!result)
     result = api->target_create(device, &(gpu_target_info){.name = "depth", .depth = b->depth}, &b->depth_target);
   for (uint32_t i = 0; i < PICTURES && !result; ++i) {
-    result = api->image_create(device, &(gpu_image_info){"picture", GPU_FORMAT_R8_UNORM, copy, WIDTH, HEIGHT, 1, false},
-                               &b->pictures[i]);
+    result = api->image_create(
+        device, &(gpu_image_info){"picture", GPU_FORMAT_R8_UNORM, copy, WIDTH, HEIGHT, 1, false, 1}, &b->pictures[i]);
     if (!result)
       result = api->target_create(device, &(gpu_target_info){.name = "picture", .color = b->pictures[i]},
                                   &b->picture_targets[i]);
@@ -321,7 +322,8 @@ static void record_forward(bench *b, uint32_t reader) {
   const gpu_backend *api = b->gpu.api;
   if (!b->forward[reader])
     return;
-  api->pass_begin(b->gpu.device, b->picture_targets[1 + reader]);
+  api->pass_begin(b->gpu.device,
+                  &(gpu_pass_info){.target = b->picture_targets[1 + reader], .color_load = GPU_LOAD_DISCARD});
   api->pass_program(b->gpu.device, b->forward[reader]);
   api->pass_bind(b->gpu.device, b->forward_bindings[reader], (const uint32_t[]){AT_BLOCKS, AT_PLANE});
   api->pass_draw(b->gpu.device, &(gpu_draw){.count = 3, .instance_count = 1});

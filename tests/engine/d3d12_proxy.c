@@ -42,6 +42,13 @@ static HRESULT STDMETHODCALLTYPE create_pipeline(ID3D12Device *device,
   return FAILED(hr) ? hr : ID3D12Device_CreateGraphicsPipelineState(real(device), description, id, out);
 }
 
+static HRESULT STDMETHODCALLTYPE create_compute(ID3D12Device *device,
+                                                const D3D12_COMPUTE_PIPELINE_STATE_DESC *description, REFIID id,
+                                                void **out) {
+  const HRESULT hr = fault(device, out);
+  return FAILED(hr) ? hr : ID3D12Device_CreateComputePipelineState(real(device), description, id, out);
+}
+
 static HRESULT STDMETHODCALLTYPE check_feature(ID3D12Device *device, D3D12_FEATURE feature, void *data, UINT size) {
   const D3D_FEATURE_LEVEL level = of(device)->level;
   if (!level || feature != D3D12_FEATURE_FEATURE_LEVELS)
@@ -76,6 +83,12 @@ static void STDMETHODCALLTYPE create_srv(ID3D12Device *device, ID3D12Resource *r
   ID3D12Device_CreateShaderResourceView(real(device), resource, view, where);
 }
 
+static void STDMETHODCALLTYPE create_uav(ID3D12Device *device, ID3D12Resource *resource, ID3D12Resource *counter,
+                                         const D3D12_UNORDERED_ACCESS_VIEW_DESC *view,
+                                         D3D12_CPU_DESCRIPTOR_HANDLE where) {
+  ID3D12Device_CreateUnorderedAccessView(real(device), resource, counter, view, where);
+}
+
 static void STDMETHODCALLTYPE create_rtv(ID3D12Device *device, ID3D12Resource *resource,
                                          const D3D12_RENDER_TARGET_VIEW_DESC *view, D3D12_CPU_DESCRIPTOR_HANDLE where) {
   ID3D12Device_CreateRenderTargetView(real(device), resource, view, where);
@@ -104,6 +117,14 @@ static HRESULT STDMETHODCALLTYPE create_resource(ID3D12Device *device, const D3D
                                                            id, out);
 }
 
+static HRESULT STDMETHODCALLTYPE create_placed(ID3D12Device *device, ID3D12Heap *heap, UINT64 offset,
+                                               const D3D12_RESOURCE_DESC *description, D3D12_RESOURCE_STATES state,
+                                               const D3D12_CLEAR_VALUE *clear, REFIID id, void **out) {
+  const HRESULT hr = fault(device, out);
+  return FAILED(hr) ? hr
+                    : ID3D12Device_CreatePlacedResource(real(device), heap, offset, description, state, clear, id, out);
+}
+
 static HRESULT STDMETHODCALLTYPE removed_reason(ID3D12Device *device) {
   return of(device)->removed ? of(device)->failure : ID3D12Device_GetDeviceRemovedReason(real(device));
 }
@@ -114,23 +135,34 @@ static HRESULT STDMETHODCALLTYPE create_queries(ID3D12Device *device, const D3D1
   return FAILED(hr) ? hr : ID3D12Device_CreateQueryHeap(real(device), description, id, out);
 }
 
+static HRESULT STDMETHODCALLTYPE create_command_signature(ID3D12Device *device,
+                                                          const D3D12_COMMAND_SIGNATURE_DESC *description,
+                                                          ID3D12RootSignature *signature, REFIID id, void **out) {
+  const HRESULT hr = fault(device, out);
+  return FAILED(hr) ? hr : ID3D12Device_CreateCommandSignature(real(device), description, signature, id, out);
+}
+
 void d3d12_proxy_open(d3d12_proxy *proxy, ID3D12Device *device) {
   static const ID3D12DeviceVtbl methods = {
       .AddRef = add_ref,
       .Release = release,
       .CreateCommandQueue = create_queue,
       .CreateGraphicsPipelineState = create_pipeline,
+      .CreateComputePipelineState = create_compute,
       .CheckFeatureSupport = check_feature,
       .CreateDescriptorHeap = create_heap,
       .GetDescriptorHandleIncrementSize = descriptor_size,
       .CreateRootSignature = create_signature,
       .CreateShaderResourceView = create_srv,
+      .CreateUnorderedAccessView = create_uav,
       .CreateRenderTargetView = create_rtv,
       .CreateDepthStencilView = create_dsv,
       .GetResourceAllocationInfo = allocation_info,
       .CreateCommittedResource = create_resource,
+      .CreatePlacedResource = create_placed,
       .GetDeviceRemovedReason = removed_reason,
       .CreateQueryHeap = create_queries,
+      .CreateCommandSignature = create_command_signature,
   };
   *proxy = (d3d12_proxy){.device = {.lpVtbl = (ID3D12DeviceVtbl *)&methods}, .real = device, .references = 1};
 }

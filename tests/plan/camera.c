@@ -34,7 +34,7 @@ static void reads_what_a_camera_was_made_from(void **state) {
     camera_matrices(&camera, view, projection);
     plan_camera made;
     const char *error = "";
-    if (plan_camera_make(&made, view, projection, &error))
+    if (plan_camera_make(&made, view, projection, camera_reversed(&camera), &error))
       fail_msg("%s", error);
     check_camera(&camera, &made, world);
   }
@@ -52,7 +52,7 @@ static void takes_a_projection_of_any_scale(void **state) {
       projection[k] *= scale;
     plan_camera made;
     const char *error = "";
-    if (plan_camera_make(&made, view, projection, &error))
+    if (plan_camera_make(&made, view, projection, camera_reversed(&camera), &error))
       fail_msg("%s", error);
     check_camera(&camera, &made, 10.0);
   }
@@ -73,7 +73,7 @@ static void takes_float_matrices(void **state) {
     }
     plan_camera made;
     const char *error = "";
-    if (plan_camera_make(&made, view, projection, &error))
+    if (plan_camera_make(&made, view, projection, camera_reversed(&camera), &error))
       fail_msg("%s", error);
     assert_near(made.near_depth, 0.1, 1e-7);
     assert_near(made.far_depth, 1000.0, 2.0);
@@ -94,7 +94,7 @@ static void takes_an_orthographic_camera_around_its_origin(void **state) {
     camera_matrices(&camera, view, projection);
     plan_camera made;
     const char *error = "";
-    assert_int_equal(plan_camera_make(&made, view, projection, &error), CSM_SUCCESS);
+    assert_int_equal(plan_camera_make(&made, view, projection, camera_reversed(&camera), &error), CSM_SUCCESS);
     check_camera(&camera, &made, 0.0);
   }
 }
@@ -135,7 +135,7 @@ static void names_what_is_wrong(void **state) {
     matrices[cases[i].matrix][cases[i].index] = cases[i].value;
     plan_camera made;
     const char *error = "";
-    const csm_result result = plan_camera_make(&made, matrices[0], matrices[1], &error);
+    const csm_result result = plan_camera_make(&made, matrices[0], matrices[1], camera_reversed(&camera), &error);
     if (result != cases[i].result)
       fail_msg("%s: %d, not %d", cases[i].what, result, cases[i].result);
     assert_non_null(strstr(error, cases[i].matrix ? "projection" : "view"));
@@ -153,7 +153,8 @@ static void refuses_planes_behind_the_camera(void **state) {
     camera_matrices(&camera, view, projection);
     plan_camera made;
     const char *error = "";
-    assert_int_equal(plan_camera_make(&made, view, projection, &error), CSM_ERROR_INVALID_CAMERA);
+    assert_int_equal(plan_camera_make(&made, view, projection, camera_reversed(&camera), &error),
+                     CSM_ERROR_INVALID_CAMERA);
   }
   test_camera camera = plain_camera();
   camera.orthographic = true;
@@ -162,7 +163,8 @@ static void refuses_planes_behind_the_camera(void **state) {
   projection[15] = -1.0;
   plan_camera made;
   const char *error = "";
-  assert_int_equal(plan_camera_make(&made, view, projection, &error), CSM_ERROR_INVALID_CAMERA);
+  assert_int_equal(plan_camera_make(&made, view, projection, camera_reversed(&camera), &error),
+                   CSM_ERROR_INVALID_CAMERA);
 }
 
 static void inverts_matrices_of_any_scale(void **state) {

@@ -20,14 +20,14 @@ static void is_listed(const plan_list *list, uint32_t instance_count, bool *list
   }
 }
 
-/* Ordered by mesh, then by index; a draw for each mesh; nothing left over. */
+/* Ordered by mesh, then by side, then by slot; a draw for each mesh and side; nothing left over. */
 static void check_list(const plan_list *list, const plan_scene *scene) {
   uint32_t next = 0;
   for (uint32_t d = 0; d < list->draw_count; ++d) {
     const plan_draw *draw = &list->draws[d];
     assert_int_equal(draw->first, next);
     assert_true(draw->count > 0);
-    assert_true(d == 0 || draw->mesh > draw[-1].mesh);
+    assert_true(d == 0 || draw->mesh * 2 + draw->mirrored > draw[-1].mesh * 2 + draw[-1].mirrored);
     for (uint32_t i = 0; i < draw->count; ++i) {
       assert_int_equal(scene->instances[list->instances[next + i]].mesh, draw->mesh);
       assert_true(i == 0 || list->instances[next + i] > list->instances[next + i - 1]);
@@ -35,7 +35,7 @@ static void check_list(const plan_list *list, const plan_scene *scene) {
     next += draw->count;
   }
   assert_int_equal(next, list->instance_count);
-  assert_int_equal(list->culled, scene->instance_count - list->instance_count);
+  assert_int_equal(list->culled, scene->slot_count - list->instance_count);
 }
 
 static culled_frame make_frame(random_state *random, test_scene *scene, const csm_config *config, double world) {
@@ -45,7 +45,8 @@ static culled_frame make_frame(random_state *random, test_scene *scene, const cs
   random_unit(random, made.light);
   camera_matrices(&made.camera, view, projection);
   scene_scatter(scene, random, made.camera.eye, random_scale(random, 1.0, 2000.0));
-  if (plan_made(&made.frame, config, view, projection, made.light, &scene->scene, scene->memory, &error))
+  if (plan_made(&made.frame, config, view, projection, camera_reversed(&made.camera), made.light, &scene->scene,
+                scene->memory, &error))
     fail_msg("%s", error);
   return made;
 }
@@ -139,7 +140,8 @@ static void keeps_casters_before_the_near_plane(void **state) {
       scene.instances[0].transform[i * 4 + 3] = below[i] - height * direction[i];
     plan_frame frame;
     const char *error = "";
-    assert_int_equal(plan_made(&frame, &config, view, projection, direction, &scene.scene, scene.memory, &error),
+    assert_int_equal(plan_made(&frame, &config, view, projection, camera_reversed(&camera), direction, &scene.scene,
+                               scene.memory, &error),
                      CSM_SUCCESS);
     assert_int_equal(frame.cascades[0].list.instance_count, 1);
     double at[3];
@@ -167,7 +169,7 @@ static void a_camera_draws_what_it_sees(void **state) {
     plan_camera made;
     plan_list list;
     const char *error = "";
-    assert_int_equal(plan_camera_make(&made, view, projection, &error), CSM_SUCCESS);
+    assert_int_equal(plan_camera_make(&made, view, projection, camera_reversed(&camera), &error), CSM_SUCCESS);
     plan_view_make(&list, &made, &scene.scene, scene.memory);
     bool listed[instances];
     is_listed(&list, instances, listed);
@@ -215,7 +217,7 @@ static void a_camera_culls_what_it_does_not_see(void **state) {
       plan_camera made;
       plan_list list;
       const char *error = "";
-      assert_int_equal(plan_camera_make(&made, view, projection, &error), CSM_SUCCESS);
+      assert_int_equal(plan_camera_make(&made, view, projection, camera_reversed(&camera), &error), CSM_SUCCESS);
       plan_view_make(&list, &made, &scene.scene, scene.memory);
       assert_int_equal(list.instance_count, infinite ? 2 : 1);
       assert_int_equal(list.instances[0], 0);
@@ -255,9 +257,9 @@ static void takes_points_and_crowds(void **state) {
   camera_matrices(&camera, view, projection);
   plan_frame frame;
   const char *error = "";
-  assert_int_equal(
-      plan_made(&frame, &config, view, projection, (double[]){0, -1, 0}, &scene.scene, scene.memory, &error),
-      CSM_SUCCESS);
+  assert_int_equal(plan_made(&frame, &config, view, projection, camera_reversed(&camera), (double[]){0, -1, 0},
+                             &scene.scene, scene.memory, &error),
+                   CSM_SUCCESS);
   assert_int_equal(frame.cascades[0].list.instance_count, 1000000);
   assert_int_equal(frame.cascades[0].list.draw_count, 3);
   check_list(&frame.cascades[0].list, &scene.scene);
@@ -285,9 +287,9 @@ static void needs_no_more_memory_than_it_says(void **state) {
       config.cascade_count = count;
       plan_frame frame;
       const char *error = "";
-      assert_int_equal(
-          plan_made(&frame, &config, view, projection, (double[]){0, -1, 0}, &scene.scene, scene.memory, &error),
-          CSM_SUCCESS);
+      assert_int_equal(plan_made(&frame, &config, view, projection, camera_reversed(&camera), (double[]){0, -1, 0},
+                                 &scene.scene, scene.memory, &error),
+                       CSM_SUCCESS);
       for (uint32_t c = 0; c < count; ++c)
         check_list(&frame.cascades[c].list, &scene.scene);
       free(scene.memory);

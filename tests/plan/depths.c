@@ -30,7 +30,7 @@ static void bounding_box(planned *out, const plan_scene *scene) {
     out->low[axis] = INFINITY;
     out->high[axis] = -INFINITY;
   }
-  for (uint32_t i = 0; i < scene->instance_count; ++i)
+  for (uint32_t i = 0; i < scene->slot_count; ++i)
     for (int corner = 0; corner < 8; ++corner) {
       double p[3];
       instance_point(scene, i, (double[]){corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1}, p);
@@ -45,7 +45,8 @@ static void replan(planned *out, const test_scene *scene, const double light[3])
   double view[16], projection[16];
   const char *error = "";
   camera_matrices(&out->camera, view, projection);
-  if (plan_made(&out->frame, &out->config, view, projection, light, &scene->scene, scene->memory, &error))
+  if (plan_made(&out->frame, &out->config, view, projection, camera_reversed(&out->camera), light, &scene->scene,
+                scene->memory, &error))
     fail_msg("%s", error);
 }
 
@@ -208,9 +209,9 @@ static void a_map_without_a_scene_takes_its_slice(void **state) {
   plan_frame beside;
   camera_matrices(&camera, view, projection);
   config.depth_mode = CSM_DEPTH_SCENE_CLIPPED;
-  assert_int_equal(
-      plan_made(&beside, &config, view, projection, (double[]){0.3, -1.0, 0.2}, &scene.scene, scene.memory, &error),
-      CSM_SUCCESS);
+  assert_int_equal(plan_made(&beside, &config, view, projection, camera_reversed(&camera), (double[]){0.3, -1.0, 0.2},
+                             &scene.scene, scene.memory, &error),
+                   CSM_SUCCESS);
   for (uint32_t c = 0; c < 4; ++c)
     assert_memory_equal(&slice.cascades[c].info, &beside.cascades[c].info, sizeof slice.cascades[c].info);
   scene_free(&scene);

@@ -91,9 +91,9 @@ static void ogldevs_near_plane_loses_casters(void **state) {
   for (int i = 0; i < 3; ++i)
     scene.instances[0].transform[i * 4 + 3] = tower[i];
   camera_matrices(&camera, view, projection);
-  assert_int_equal(
-      plan_made(&frame, &config, view, projection, (double[]){0.0, -1.0, 0.0}, &scene.scene, scene.memory, &error),
-      CSM_SUCCESS);
+  assert_int_equal(plan_made(&frame, &config, view, projection, camera_reversed(&camera), (double[]){0.0, -1.0, 0.0},
+                             &scene.scene, scene.memory, &error),
+                   CSM_SUCCESS);
   const plan_cascade *cascade = &frame.cascades[3];
   double low = INFINITY, high = -INFINITY;
   for (int corner = 0; corner < 8; ++corner) {

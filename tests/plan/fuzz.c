@@ -2,6 +2,7 @@
 #include "support.h"
 
 #include "csm_constants.h"
+#include <fenv.h>
 #include <math.h>
 #include <string.h>
 
@@ -46,19 +47,30 @@ static void assert_finite(const float *values, uint32_t count) {
     assert_true(isfinite(values[i]));
 }
 
-static void check_frame(const plan_frame *frame, const csm_config *config, const test_scene *scene) {
-  float floats[CSM_C_COUNT * 4 > instances * 16 ? CSM_C_COUNT * 4 : instances * 16];
-  double last = frame->camera.near_depth;
+static void check_cascades(const plan_frame *frame) {
+  double last = frame->unshadowed ? frame->cascades[0].info.near_depth : frame->camera.near_depth;
   for (uint32_t c = 0; c < frame->cascade_count; ++c) {
     const csm_cascade_info *info = &frame->cascades[c].info;
     assert_true(isfinite(info->far_depth) && info->near_depth == last && info->far_depth > last);
     assert_true(isfinite(info->texel_size) && info->texel_size > 0.0);
     assert_true(isfinite(info->depth_range) && info->depth_range > 0.0);
     assert_true(plan_finite(info->world_to_shadow, 16) && plan_finite(frame->cascades[c].to_clip, 12));
+    assert_int_equal(frame->cascades[c].list.instance_count + frame->cascades[c].list.culled, instances);
+    assert_true(!frame->unshadowed || frame->cascades[c].list.instance_count == 0);
+    last = info->far_depth;
+  }
+}
+
+static void check_frame(const plan_frame *frame, const csm_config *config, const test_scene *scene) {
+  float floats[CSM_C_COUNT * 4 > instances * 16 ? CSM_C_COUNT * 4 : instances * 16];
+  feclearexcept(FE_ALL_EXCEPT);
+  check_cascades(frame);
+  for (uint32_t c = 0; c < frame->cascade_count; ++c) {
+    double matrix[16], planes[5][4];
     plan_write_cascade_matrices(floats, frame, c, &scene->scene);
     assert_finite(floats, frame->cascades[c].list.instance_count * 12);
-    assert_int_equal(frame->cascades[c].list.instance_count + frame->cascades[c].list.culled, instances);
-    last = info->far_depth;
+    plan_cascade_volume(frame, c, matrix, planes);
+    assert_true(plan_finite(matrix, 16) && plan_finite(planes[0], 20));
   }
   assert_finite(floats, plan_write_constants(floats, frame, config) / (uint32_t)sizeof(float));
   assert_finite(floats,
@@ -68,6 +80,7 @@ static void check_frame(const plan_frame *frame, const csm_config *config, const
   plan_view_make(&list, &frame->camera, &scene->scene, scene->memory);
   plan_write_view_matrices(floats, &list, &frame->camera, &scene->scene);
   assert_finite(floats, list.instance_count * 16);
+  assert_no_exceptions();
 }
 
 static bool is_named(csm_result result) {
@@ -75,22 +88,24 @@ static bool is_named(csm_result result) {
          result == CSM_ERROR_INVALID_LIGHT;
 }
 
-/* The transforms that the front lets through: affine, not singular, of any size. */
+/* Transforms of any numbers, where plan_instance_check lets them through. */
 static void disturb_scene(random_state *random, test_scene *scene) {
   for (uint32_t i = 0; i < instances; ++i) {
-    plan_instance *instance = &scene->instances[i];
-    double rows[12], matrix[16] = {[15] = 1.0};
-    memcpy(rows, instance->transform, sizeof rows);
-    disturb(random, rows, 12);
-    for (int k = 0; k < 12; ++k)
-      matrix[k % 4 * 4 + k / 4] = rows[k];
-    if (plan_check_affine(matrix) == CSM_SUCCESS)
-      memcpy(instance->transform, rows, sizeof rows);
+    plan_instance odd = scene->instances[i];
+    disturb(random, odd.transform, 12);
+    feclearexcept(FE_ALL_EXCEPT);
+    const csm_result result = plan_instance_check(&odd);
+    assert_no_exceptions();
+    if (result)
+      assert_true(result == CSM_ERROR_NOT_FINITE || result == CSM_ERROR_INVALID_MATRIX);
+    else
+      scene->instances[i] = odd;
   }
   for (uint32_t i = 0; i < meshes; ++i)
     for (int k = 0; k < 3; ++k)
       if (random_below(random, 20) == 0)
         scene->meshes[i].extent[k] = random_scale(random, 1e-38, 1e38);
+  scene_place(scene);
 }
 
 static void any_frame_is_finite_or_has_a_named_error(void **state) {
@@ -114,8 +129,12 @@ static void any_frame_is_finite_or_has_a_named_error(void **state) {
     if (random_below(&random, 2))
       disturb(&random, light, 3);
     config.shadow_distance = fmin(fmax(random_scale(&random, 1e-4, 1e10), 1e-3), 1e9);
+    config.depth_mode = random_below(&random, CSM_DEPTH_SCENE_CLIPPED + 1);
+    config.fit_mode = random_below(&random, CSM_FIT_SCENE_SQUARE + 1);
+    config.caster_set = random_below(&random, CSM_CASTER_SET_VIEW + 1);
     plan_frame frame;
-    const csm_result result = plan_made(&frame, &config, view, projection, light, &scene.scene, scene.memory, &error);
+    const csm_result result = plan_made(&frame, &config, view, projection, camera_reversed(&camera), light,
+                                        &scene.scene, scene.memory, &error);
     if (result == CSM_SUCCESS) {
       check_frame(&frame, &config, &scene);
       ++planned;
@@ -141,7 +160,7 @@ static void any_configuration_is_planned_or_has_a_named_error(void **state) {
     const char *error = "";
     for (uint32_t changes = random_below(&random, 3); changes; --changes) {
       uint32_t index = 0;
-      for (index = random_below(&random, 20); !plan_config_field(index); --index)
+      for (index = random_below(&random, 60); !plan_config_field(index); --index)
         ;
       const csm_config_field *field = plan_config_field(index);
       char *at = (char *)&config + field->offset;
@@ -150,17 +169,24 @@ static void any_configuration_is_planned_or_has_a_named_error(void **state) {
       else
         *(uint32_t *)(void *)at = (uint32_t)random_bits(&random);
     }
+    feclearexcept(FE_ALL_EXCEPT);
     csm_result result = plan_config_check(&config, &error);
+    assert_no_exceptions();
     if (result) {
       assert_true((result == CSM_ERROR_NOT_FINITE || result == CSM_ERROR_INVALID_VALUE) && error[0]);
       ++refused;
       continue;
     }
     plan_frame frame;
-    result = plan_made(&frame, &config, view, projection, (double[]){0.1, -1.0, 0.0}, &nothing, NULL, &error);
+    result = plan_made(&frame, &config, view, projection, camera_reversed(&camera), (double[]){0.1, -1.0, 0.0},
+                       &nothing, NULL, &error);
     assert_true(result == CSM_SUCCESS || (is_named(result) && error[0]));
     for (uint32_t c = 0; !result && c < frame.cascade_count; ++c)
       assert_true(plan_finite(frame.cascades[c].info.world_to_shadow, 16));
+    float constants[CSM_C_COUNT * 4];
+    if (!result)
+      assert_finite(constants, plan_write_constants(constants, &frame, &config) / (uint32_t)sizeof(float));
+    assert_no_exceptions();
     ++planned;
   }
   assert_true(planned > 10000 && refused > 1000);
@@ -174,9 +200,11 @@ static void any_matrix_is_inverted_finitely_or_not_at_all(void **state) {
     for (int k = 0; k < 16; ++k)
       m[k] = i % 2 ? odd_number(&random, k % 5 == 0) : random_between(&random, -1.0, 1.0);
     disturb(&random, m, 16);
+    feclearexcept(FE_ALL_EXCEPT);
     if (plan_invert(inverse, m))
       assert_true(plan_finite(inverse, 16));
     const csm_result result = plan_check_affine(m);
+    assert_no_exceptions();
     assert_true(result == CSM_SUCCESS || result == CSM_ERROR_NOT_FINITE || result == CSM_ERROR_INVALID_MATRIX);
   }
 }

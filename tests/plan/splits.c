@@ -104,7 +104,66 @@ static void orthographic_ones_are_uniform_behind_the_origin(void **state) {
     assert_near(frame.cascades[i].info.far_depth, -20.0 + 25.0 * (i + 1), 1e-9);
 }
 
-static void need_room_before_the_shadow_distance(void **state) {
+/* No interval holds a depth from the near plane on, and no map a point of the world, in front of it or anywhere. */
+static void check_unshadowed(const plan_frame *frame, const csm_config *config) {
+  random_state random = {11};
+  assert_true(frame->unshadowed);
+  for (uint32_t c = 0; c < config->cascade_count; ++c) {
+    const csm_cascade_info *info = &frame->cascades[c].info;
+    assert_true(info->far_depth < frame->camera.near_depth && info->far_depth < -1e20);
+    assert_true(info->near_depth < info->far_depth);
+    assert_int_equal(frame->cascades[c].list.instance_count, 0);
+    for (int i = 0; i < 50; ++i) {
+      double p[3], at[3], clip[16], planes[5][4];
+      random_unit(&random, p);
+      const double far = random_scale(&random, 1e-3, 1e30);
+      for (int k = 0; k < 3; ++k)
+        p[k] *= far;
+      transform_point(info->world_to_shadow, p, at);
+      assert_true(at[0] > 1.5 && at[1] > 1.5 && at[2] > 1.5);
+      plan_cascade_volume(frame, c, clip, planes);
+      bool outside = false;
+      for (int plane = 0; plane < 5; ++plane)
+        outside |= planes[plane][0] * p[0] + planes[plane][1] * p[1] + planes[plane][2] * p[2] + planes[plane][3] < 0.0;
+      assert_true(outside);
+    }
+  }
+}
+
+static void a_near_plane_beyond_the_shadow_distance_means_no_shadows(void **state) {
+  (void)state;
+  random_state random = {12};
+  const test_camera camera = plain_camera();
+  double view[16], projection[16];
+  camera_matrices(&camera, view, projection);
+  test_scene scene = scene_make(20, 2);
+  scene_scatter(&scene, &random, camera.eye, 5.0);
+  const double distances[] = {0.05, 0.1};
+  for (int i = 0; i < 4; ++i) {
+    plan_frame frame;
+    const char *error = "";
+    csm_config config = random_full_config(&random);
+    config.map_reversed = i / 2;
+    config.split_mode = CSM_SPLIT_PRACTICAL;
+    config.shadow_distance = distances[i % 2];
+    plan_history before = {.has_samples = true, .sample_range[1].value = 7.0};
+    const plan_frame_info info = {.config = &config,
+                                  .view = view,
+                                  .projection = projection,
+                                  .light = down,
+                                  .scene = &scene.scene,
+                                  .before = &before};
+    assert_int_equal(plan_traced(&frame, &info, scene.memory, &error), CSM_SUCCESS);
+    check_unshadowed(&frame, &config);
+    for (uint32_t slot = 0; slot < 20; ++slot)
+      assert_int_equal(frame.drawn[slot], 0);
+    /* What had been fitted is still known when the shadows come back. */
+    assert_true(frame.history.has_light && frame.history.has_samples && frame.history.sample_range[1].value == 7.0);
+  }
+  scene_free(&scene);
+}
+
+static void needs_room_for_all_cascades(void **state) {
   (void)state;
   const test_camera camera = plain_camera();
   double view[16], projection[16];
@@ -112,14 +171,11 @@ static void need_room_before_the_shadow_distance(void **state) {
   csm_config config = default_config();
   const plan_scene nothing = {0};
   plan_frame frame;
-  const double distances[] = {0.05, 0.1, nextafter(0.1, 1.0)};
-  for (int i = 0; i < 3; ++i) {
-    const char *error = "";
-    config.shadow_distance = distances[i];
-    assert_int_equal(plan_made(&frame, &config, view, projection, down, &nothing, NULL, &error),
-                     CSM_ERROR_INVALID_CAMERA);
-    assert_true(error[0]);
-  }
+  const char *error = "";
+  config.shadow_distance = nextafter(plan_empty(&config, &camera, down).camera.near_depth, 1.0);
+  assert_int_equal(plan_made(&frame, &config, view, projection, camera_reversed(&camera), down, &nothing, NULL, &error),
+                   CSM_ERROR_INVALID_CAMERA);
+  assert_true(error[0]);
 }
 
 /* ---- closed forms ---- */
@@ -220,7 +276,8 @@ int main(void) {
       cmocka_unit_test(hold_for_ranges_up_to_ten_million),
       cmocka_unit_test(manual_ones_are_kept_where_they_fit),
       cmocka_unit_test(orthographic_ones_are_uniform_behind_the_origin),
-      cmocka_unit_test(need_room_before_the_shadow_distance),
+      cmocka_unit_test(a_near_plane_beyond_the_shadow_distance_means_no_shadows),
+      cmocka_unit_test(needs_room_for_all_cascades),
       cmocka_unit_test(modes_follow_their_closed_forms),
       cmocka_unit_test(split_near_gives_an_orthographic_camera_logarithms),
       cmocka_unit_test(shares_are_of_the_way_to_the_end),

@@ -22,7 +22,7 @@ static plan_frame plan_after(const csm_config *config, const double light[3], co
   camera_matrices(&camera, view, projection);
   const plan_frame_info info = {
       .config = config, .view = view, .projection = projection, .light = light, .scene = &nothing, .before = before};
-  if (plan_frame_make(&frame, &info, NULL, &error))
+  if (plan_traced(&frame, &info, NULL, &error))
     fail_msg("%s", error);
   return frame;
 }

@@ -1,5 +1,6 @@
 #include "support.h"
 
+#include <fenv.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -204,7 +205,8 @@ plan_frame plan_empty(const csm_config *config, const test_camera *camera, const
   const plan_scene nothing = {0};
   plan_frame frame;
   camera_matrices(camera, view, projection);
-  const csm_result result = plan_made(&frame, config, view, projection, light, &nothing, NULL, &error);
+  const csm_result result =
+      plan_made(&frame, config, view, projection, camera_reversed(camera), light, &nothing, NULL, &error);
   if (result)
     fail_msg("%d: %s", result, error);
   return frame;
@@ -212,18 +214,26 @@ plan_frame plan_empty(const csm_config *config, const test_camera *camera, const
 
 test_scene scene_make(uint32_t instance_count, uint32_t mesh_count) {
   test_scene scene = {.instances = calloc(instance_count, sizeof *scene.instances),
+                      .boxes = calloc(instance_count, sizeof *scene.boxes),
                       .meshes = calloc(mesh_count, sizeof *scene.meshes),
                       .memory = malloc(plan_memory_size(instance_count, mesh_count, CSM_MAX_CASCADES))};
   assert_non_null(scene.instances);
+  assert_non_null(scene.boxes);
   assert_non_null(scene.meshes);
   assert_non_null(scene.memory);
-  scene.scene = (plan_scene){
-      .instances = scene.instances, .instance_count = instance_count, .meshes = scene.meshes, .mesh_count = mesh_count};
+  scene.scene = (plan_scene){.instances = scene.instances,
+                             .boxes = scene.boxes,
+                             .slot_count = instance_count,
+                             .caster_count = instance_count,
+                             .receiver_count = instance_count,
+                             .meshes = scene.meshes,
+                             .mesh_count = mesh_count};
   return scene;
 }
 
 void scene_free(test_scene *scene) {
   free(scene->instances);
+  free(scene->boxes);
   free(scene->meshes);
   free(scene->memory);
 }
@@ -234,7 +244,7 @@ void scene_scatter(test_scene *scene, random_state *random, const double center[
       scene->meshes[i].center[k] = random_between(random, -2.0, 2.0);
       scene->meshes[i].extent[k] = random_below(random, 5) ? random_scale(random, 0.01, 4.0) : 0.0;
     }
-  for (uint32_t i = 0; i < scene->scene.instance_count; ++i) {
+  for (uint32_t i = 0; i < scene->scene.slot_count; ++i) {
     double *t = scene->instances[i].transform;
     const double size = random_scale(random, 0.01, 30.0);
     for (int row = 0; row < 3; ++row) {
@@ -243,6 +253,14 @@ void scene_scatter(test_scene *scene, random_state *random, const double center[
       t[row * 4 + 3] = center[row] + random_between(random, -spread, spread);
     }
     scene->instances[i].mesh = random_below(random, scene->scene.mesh_count);
+  }
+  scene_place(scene);
+}
+
+void scene_place(test_scene *scene) {
+  for (uint32_t i = 0; i < scene->scene.slot_count; ++i) {
+    assert_int_equal(plan_instance_check(&scene->instances[i]), CSM_SUCCESS);
+    plan_instance_box(&scene->boxes[i], &scene->instances[i], &scene->meshes[scene->instances[i].mesh]);
   }
 }
 
@@ -282,9 +300,28 @@ void assert_near(double value, double expected, double tolerance) {
     fail_msg("%.17g is not %.17g within %g", value, expected, tolerance);
 }
 
+uint32_t camera_reversed(const test_camera *camera) {
+  return camera->reversed ? CSM_REVERSED_YES : CSM_REVERSED_NO;
+}
+
+csm_result plan_traced(plan_frame *out, const plan_frame_info *info, void *memory, const char **error) {
+  feclearexcept(FE_ALL_EXCEPT);
+  const csm_result result = plan_frame_make(out, info, memory, error);
+  assert_no_exceptions();
+  return result;
+}
+
+void assert_no_exceptions(void) {
+  const int raised = fetestexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW);
+  if (raised)
+    fail_msg("raised%s%s%s", raised & FE_INVALID ? " FE_INVALID" : "", raised & FE_DIVBYZERO ? " FE_DIVBYZERO" : "",
+             raised & FE_OVERFLOW ? " FE_OVERFLOW" : "");
+}
+
 csm_result plan_made(plan_frame *out, const csm_config *config, const double view[16], const double projection[16],
-                     const double light[3], const plan_scene *scene, void *memory, const char **error) {
+                     uint32_t reversed, const double light[3], const plan_scene *scene, void *memory,
+                     const char **error) {
   const plan_frame_info info = {
-      .config = config, .view = view, .projection = projection, .light = light, .scene = scene};
-  return plan_frame_make(out, &info, memory, error);
+      .config = config, .view = view, .projection = projection, .reversed = reversed, .light = light, .scene = scene};
+  return plan_traced(out, &info, memory, error);
 }

@@ -55,12 +55,15 @@ csm_config random_full_config(random_state *random);
 typedef struct test_scene {
   plan_scene scene;
   plan_instance *instances;
+  plan_box *boxes;
   plan_bounds *meshes;
   void *memory;
 } test_scene;
 
 test_scene scene_make(uint32_t instance_count, uint32_t mesh_count);
 void scene_free(test_scene *scene);
+/* Finds what follows from instances and meshes. */
+void scene_place(test_scene *scene);
 /* Random transforms (also mirrored, sheared and flat) within `spread` metres of a point. */
 void scene_scatter(test_scene *scene, random_state *random, const double center[3], double spread);
 /* The world position of a point of the instance's box, each coordinate from -1 to 1. */
@@ -74,9 +77,17 @@ double shadow_depth(const csm_cascade_info *info, const double p[3]);
 /* A point of a slice: its corners and edges too, where maps are tightest. */
 void slice_point(random_state *random, const test_camera *camera, const csm_cascade_info *info, double out[3]);
 
+/* CSM_REVERSED_*, as the camera is. */
+uint32_t camera_reversed(const test_camera *camera);
+
 void assert_near(double value, double expected, double tolerance);
-/* A first frame, without samples. */
+/* Nothing has divided by 0, overflowed or been invalid since feclearexcept. */
+void assert_no_exceptions(void);
+/* plan_frame_make, which must raise no floating-point exception. */
+csm_result plan_traced(plan_frame *out, const plan_frame_info *info, void *memory, const char **error);
+/* A first frame, without depth samples. */
 csm_result plan_made(plan_frame *out, const csm_config *config, const double view[16], const double projection[16],
-                     const double light[3], const plan_scene *scene, void *memory, const char **error);
+                     uint32_t reversed, const double light[3], const plan_scene *scene, void *memory,
+                     const char **error);
 
 #endif

@@ -35,7 +35,8 @@ static void cascade_matrices_agree_with_world_to_shadow(void **state) {
     camera_matrices(&camera, view, projection);
     scene_scatter(&scene, &random, camera.eye, 20.0);
     plan_frame frame;
-    assert_int_equal(plan_made(&frame, &config, view, projection, light, &scene.scene, scene.memory, &error),
+    assert_int_equal(plan_made(&frame, &config, view, projection, camera_reversed(&camera), light, &scene.scene,
+                               scene.memory, &error),
                      CSM_SUCCESS);
     for (uint32_t c = 0; c < frame.cascade_count; ++c) {
       const plan_cascade *cascade = &frame.cascades[c];
@@ -140,7 +141,7 @@ static void mask_constants_lead_back_to_the_world(void **state) {
     camera_matrices(&camera, view, projection);
     plan_camera made;
     const char *error = "";
-    assert_int_equal(plan_camera_make(&made, view, projection, &error), CSM_SUCCESS);
+    assert_int_equal(plan_camera_make(&made, view, projection, camera_reversed(&camera), &error), CSM_SUCCESS);
     float m[CSM_M_COUNT * 4];
     assert_int_equal(plan_write_mask_constants(m, &frame, &made, 640, 360, false, CSM_VIEW_DENSITY), sizeof m);
     assert_true(m[CSM_M_VIEW * 4] == CSM_VIEW_DENSITY);
@@ -184,7 +185,7 @@ static void view_matrices_agree_with_the_camera(void **state) {
     plan_camera made;
     plan_list list;
     const char *error = "";
-    assert_int_equal(plan_camera_make(&made, view, projection, &error), CSM_SUCCESS);
+    assert_int_equal(plan_camera_make(&made, view, projection, camera_reversed(&camera), &error), CSM_SUCCESS);
     plan_view_make(&list, &made, &scene.scene, scene.memory);
     plan_write_view_matrices(matrices, &list, &made, &scene.scene);
     for (uint32_t k = 0; k < list.instance_count; ++k) {
@@ -222,7 +223,8 @@ static uint64_t hash_of(const hashed *in, const test_scene *scene) {
   const char *error = "";
   plan_frame frame;
   camera_matrices(&in->camera, view, projection);
-  assert_int_equal(plan_made(&frame, &in->config, view, projection, in->light, &scene->scene, scene->memory, &error),
+  assert_int_equal(plan_made(&frame, &in->config, view, projection, camera_reversed(&camera), in->light, &scene->scene,
+                             scene->memory, &error),
                    CSM_SUCCESS);
   return plan_hash(&frame, &in->config, &scene->scene);
 }

@@ -51,6 +51,15 @@ enum {
   CSM_ERROR_UNSUPPORTED = -21 /* not in this version, or not on this device; never silently something else */
 };
 
+/* What kind of device one is. */
+enum {
+  CSM_DEVICE_OTHER = 0,
+  CSM_DEVICE_INTEGRATED = 1,
+  CSM_DEVICE_DISCRETE = 2,
+  CSM_DEVICE_VIRTUAL = 3,
+  CSM_DEVICE_CPU = 4
+};
+
 enum { CSM_LOG_ERROR = 0, CSM_LOG_WARNING = 1, CSM_LOG_INFO = 2, CSM_LOG_TRACE = 3 };
 
 /* Receives a message (UTF-8, no newline) of a CSM_LOG level. Must not call back into csm. */

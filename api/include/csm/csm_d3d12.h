@@ -4,8 +4,8 @@
  *
  * csm records into the engine's open graphics command list, outside a render pass. It submits nothing and waits for
  * nothing. A recording leaves changed: the CBV/SRV/UAV descriptor heap (csm sets its own; the engine sets its heaps
- * again), the graphics root signature and its arguments, the pipeline state, render targets, viewport and scissor 0,
- * the primitive topology, vertex buffers 0 to 2 and the index buffer; nothing else.
+ * again), the graphics and the compute root signature and their arguments, the pipeline state, render targets, viewport
+ * and scissor 0, the primitive topology, vertex buffers 0 to 2 and the index buffer; nothing else.
  *
  * The maps and the mask rest in D3D12_RESOURCE_STATE_PIXEL_SHADER_RESOURCE | NON_PIXEL_SHADER_RESOURCE; an engine may
  * sample them there, and leaves them in that state. csm holds a reference to each object that it is given for as long
@@ -20,11 +20,40 @@
 extern "C" {
 #endif
 
+/* What csm wants memory for: one placed resource. */
+typedef struct csm_d3d12_memory_request {
+  uint32_t struct_size;
+  uint32_t heap_type; /* D3D12_HEAP_TYPE: DEFAULT, UPLOAD or READBACK */
+  uint64_t size, alignment;
+  uint32_t heap_flags; /* D3D12_HEAP_FLAGS that a heap for this kind of resource alone has: ALLOW_ONLY_BUFFERS,
+                          ALLOW_ONLY_RT_DS_TEXTURES or ALLOW_ONLY_NON_RT_DS_TEXTURES */
+  uint32_t reserved;   /* 0 */
+  const char *name;    /* for debuggers */
+} csm_d3d12_memory_request;
+
+/* What the engine gives. */
+typedef struct csm_d3d12_memory {
+  void *heap;      /* ID3D12Heap*, of the heap type asked for */
+  uint64_t offset; /* in bytes, a multiple of the alignment */
+  void *handle;    /* the engine's own, given back when the piece is freed */
+} csm_d3d12_memory;
+
+/* Called inside csm's own calls that create, on the same thread. Must not call back into csm. An HRESULT: S_OK, or
+   E_OUTOFMEMORY where there is none. */
+typedef int32_t(CSM_CALL *csm_d3d12_allocate_function)(void *user, const csm_d3d12_memory_request *request,
+                                                       csm_d3d12_memory *out);
+/* Takes back a piece, once no resource lies in it and the GPU is done with it. Must not call back into csm. */
+typedef void(CSM_CALL *csm_d3d12_free_function)(void *user, const csm_d3d12_memory *memory);
+
 typedef struct csm_d3d12_device {
   uint32_t struct_size;
   uint32_t reserved;              /* 0 */
   void *device;                   /* ID3D12Device*; csm holds a reference of its own */
   void *serialize_root_signature; /* PFN_D3D12_SERIALIZE_ROOT_SIGNATURE, so that no run time is loaded twice */
+  /* Fields from here on may be left 0. */
+  csm_d3d12_allocate_function allocate_memory; /* all resources; NULL: committed resources. Both, or neither */
+  csm_d3d12_free_function free_memory;
+  void *memory_user;
 } csm_d3d12_device;
 
 /* An image to sample: the camera's depth, or normals; in a state that pixel shaders read, and left in it. */

@@ -20,6 +20,33 @@
 extern "C" {
 #endif
 
+/* What csm wants memory for. It is bound to `image` or `buffer`, of which the other is VK_NULL_HANDLE. */
+typedef struct csm_vulkan_memory_request {
+  uint32_t struct_size;
+  uint32_t memory_type_bits; /* as VkMemoryRequirements has it */
+  uint64_t size, alignment;
+  VkImage image;
+  VkBuffer buffer;
+  uint32_t required;  /* VkMemoryPropertyFlags that the memory type must have; HOST_VISIBLE: to be mapped */
+  uint32_t preferred; /* and those that it should */
+  const char *name;   /* for debuggers */
+} csm_vulkan_memory_request;
+
+/* What the engine gives. */
+typedef struct csm_vulkan_memory {
+  VkDeviceMemory memory;
+  uint64_t offset; /* a multiple of the alignment */
+  void *mapped;    /* the piece's first byte, mapped until it is freed; NULL unless HOST_VISIBLE was required */
+  void *handle;    /* the engine's own, given back when the piece is freed */
+} csm_vulkan_memory;
+
+/* Called inside csm's own calls that create, on the same thread. Must not call back into csm. VK_SUCCESS, or the error
+   of vkAllocateMemory that comes closest. */
+typedef VkResult(CSM_CALL *csm_vulkan_allocate_function)(void *user, const csm_vulkan_memory_request *request,
+                                                         csm_vulkan_memory *out);
+/* Takes back a piece, once nothing is bound to it and the GPU is done with it. Must not call back into csm. */
+typedef void(CSM_CALL *csm_vulkan_free_function)(void *user, const csm_vulkan_memory *memory);
+
 typedef struct csm_vulkan_device {
   uint32_t struct_size;
   uint32_t api_version; /* what the instance and the device were made for: VK_API_VERSION_1_1 or later */
@@ -33,6 +60,13 @@ typedef struct csm_vulkan_device {
   uint32_t extension_count;
   uint32_t reserved2;                       /* 0 */
   const VkPhysicalDeviceFeatures *features; /* features that are enabled; NULL means none */
+  /* Fields from here on may be left 0. */
+  VkPipelineCache pipeline_cache; /* pipelines are made with it, on the thread that calls csm */
+  uint32_t dynamic_rendering;     /* 1: its feature is enabled, and csm's passes use it; 0: they use render passes */
+  uint32_t reserved3;             /* 0 */
+  csm_vulkan_allocate_function allocate_memory; /* all device memory; NULL: vkAllocateMemory. Both, or neither */
+  csm_vulkan_free_function free_memory;
+  void *memory_user;
 } csm_vulkan_device;
 
 /*

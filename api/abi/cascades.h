@@ -1,0 +1,55 @@
+/* cascades.h: one light seen from one camera: settings, the states of its techniques, and what was planned last. */
+#ifndef ABI_CASCADES_H
+#define ABI_CASCADES_H
+
+#include "abi/context.h"
+#include "techniques/technique.h"
+
+enum { CONSTANT_BLOCKS = 2, CONSTANT_BLOCK_FLOATS = 256 };
+
+/* A plan, with the memory that its lists lie in, and what it was made of. */
+typedef struct planned {
+  void *memory;
+  size_t size;
+  plan_frame frame;
+  instances list;            /* the frame's own, if it had one */
+  const csm_scene *scene;    /* NULL: the list */
+  bool scene_gone;           /* it was destroyed since */
+  uint64_t revision;         /* of the scene */
+  uint32_t instances, changed;
+  float constants[CONSTANT_BLOCKS][CONSTANT_BLOCK_FLOATS];
+  uint32_t constants_sizes[CONSTANT_BLOCKS]; /* in bytes */
+} planned;
+
+struct csm_cascades {
+  csm_context *context;
+  csm_cascades *next, **link;
+  csm_config config;
+  technique_set techniques;
+  plan_history history; /* what the last drawn frame handed on */
+  plan_cache cache;
+  plan_depth_samples *samples; /* of the views, gathered for a plan */
+  size_t samples_size;
+  planned plans[2]; /* the last one that was drawn, and room for the next */
+  uint32_t current;
+  bool drawn; /* maps hold plans[current], planned with config */
+  double plan_ms, record_ms;
+};
+
+/* NULL_POINTER, or DEVICE_LOST. */
+csm_result cascades_usable(csm_cascades *cascades);
+/* INVALID_STATE before the first frame with the present configuration. */
+csm_result cascades_drawn(csm_cascades *cascades);
+/* Whether they are a context's. The pointer is compared, not followed. */
+bool cascades_known(const csm_context *context, const csm_cascades *cascades);
+/* A scene goes: no plan looks into it any more. */
+void cascades_forget_scene(csm_context *context, const csm_scene *scene);
+
+static inline const planned *cascades_planned(const csm_cascades *cascades) {
+  return &cascades->plans[cascades->current];
+}
+
+/* Whether what the last plan was made of is as it was then. */
+bool planned_current(const planned *planned);
+
+#endif

@@ -1,0 +1,127 @@
+#include "abi/cascades.h"
+#include "abi/frame_input.h"
+#include "abi/view.h"
+#include "device/clock.h"
+#include "techniques/depth_samples/depth_samples.h"
+
+/* ---- planning ---- */
+
+/* What the views that were resolved with these cascades have seen. */
+static csm_result gather_samples(csm_cascades *cascades, uint32_t *count) {
+  csm_context *context = cascades->context;
+  uint32_t most = 0;
+  *count = 0;
+  if (cascades->config.depth_samples == CSM_DEPTH_SAMPLES_OFF)
+    return CSM_SUCCESS;
+  for (const csm_view *v = context->views; v; v = v->next)
+    most += v->cascades == cascades;
+  const csm_result result = host_grow(&context->host, (void **)&cascades->samples, &cascades->samples_size,
+                                      most * sizeof *cascades->samples);
+  for (const csm_view *v = context->views; v && !result; v = v->next) {
+    if (v->cascades != cascades)
+      continue;
+    depth_samples_collect(&v->techniques, context_device(context), &cascades->samples[*count]);
+    *count += cascades->samples[*count].columns != 0;
+  }
+  return result;
+}
+
+/* Room for the boxes of a scene that stays. */
+static csm_result reserve_cache(csm_cascades *cascades, const plan_scene *scene) {
+  host *host = &cascades->context->host;
+  plan_cache *cache = &cascades->cache;
+  if (scene->slot_count <= cache->slots)
+    return CSM_SUCCESS;
+  const uint32_t slots = scene->slot_count + scene->slot_count / 2;
+  void *memory = host_allocate(host, plan_cache_size(slots));
+  if (!memory)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  host_release(host, cache->memory);
+  *cache = (plan_cache){.memory = memory, .slots = slots};
+  return CSM_SUCCESS;
+}
+
+/* How many instances came, moved, changed or went since the last frame; all of a list's may have. */
+static uint32_t count_changed(const csm_cascades *cascades, const planned *next) {
+  const planned *last = cascades_planned(cascades);
+  const bool same = next->scene && next->scene == last->scene;
+  return same ? instances_changed_since(&next->scene->store, last->revision) : next->instances;
+}
+
+static csm_result make_plan(csm_cascades *cascades, const frame_input *input, planned *out, plan_scene *scene) {
+  csm_context *context = cascades->context;
+  csm_result result = frame_input_scene(context, input, &out->list, scene);
+  if (result)
+    return result;
+  const csm_frame *frame = &input->frame;
+  const instances *store = frame->scene ? &frame->scene->store : &out->list;
+  out->scene = frame->scene;
+  out->scene_gone = false;
+  out->revision = store->revision;
+  out->instances = store->live;
+  uint32_t sample_count;
+  result = gather_samples(cascades, &sample_count);
+  if (!result && frame->scene)
+    result = reserve_cache(cascades, scene);
+  if (!result)
+    result = host_grow(&context->host, &out->memory, &out->size,
+                       plan_memory_size(scene->slot_count, scene->mesh_count, cascades->config.cascade_count));
+  if (result)
+    return result;
+  const char *text = "";
+  const plan_frame_info info = {.config = &cascades->config,
+                                .view = input->camera.view,
+                                .projection = input->camera.projection,
+                                .light = input->light.direction,
+                                .reversed = input->camera.reversed,
+                                .light_layers = input->light.layers,
+                                .origin = frame->origin,
+                                .scene = scene,
+                                .cache = frame->scene ? &cascades->cache : NULL,
+                                .before = &cascades->history,
+                                .samples = cascades->samples,
+                                .sample_count = sample_count};
+  result = plan_frame_make(&out->frame, &info, out->memory, &text);
+  if (result)
+    return host_fail(&context->host, result, "csm_frame: %s", text);
+  out->changed = count_changed(cascades, out);
+  out->constants_sizes[0] = plan_write_constants(out->constants[0], &out->frame, &cascades->config);
+  return CSM_SUCCESS;
+}
+
+/* ---- the frame ---- */
+
+csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame *in) {
+  csm_result result = cascades_usable(cascades);
+  if (result)
+    return result;
+  frame_input input;
+  plan_scene scene;
+  planned *next = &cascades->plans[!cascades->current];
+  const double begin_ms = clock_ms();
+  result = frame_input_read(cascades->context, in, true, &input);
+  if (!result)
+    result = make_plan(cascades, &input, next, &scene);
+  if (result)
+    return result;
+  const double planned_ms = clock_ms();
+  technique_run run = {.device = context_device(cascades->context),
+                       .config = &cascades->config,
+                       .plan = &next->frame,
+                       .constants = {next->constants[0], next->constants[1]},
+                       .constants_sizes = {next->constants_sizes[0], next->constants_sizes[1]},
+                       .frame = &input.frame,
+                       .timestamps = input.frame.flags & CSM_FRAME_TIMESTAMPS,
+                       .cascades = &cascades->techniques,
+                       .scene = &scene};
+  technique_times times;
+  result = technique_run_record(&run, &times);
+  if (result)
+    return result;
+  cascades->current = !cascades->current;
+  cascades->history = next->frame.history;
+  cascades->drawn = true;
+  cascades->plan_ms = planned_ms - begin_ms + times.write_ms;
+  cascades->record_ms = times.record_ms;
+  return CSM_SUCCESS;
+}

@@ -1,0 +1,108 @@
+#include "abi/cascades.h"
+#include "abi/view.h"
+
+#include <string.h>
+
+static csm_result check_owner(csm_context *context, const csm_read_info *info) {
+  host *host = &context->host;
+  const bool map = info->source == CSM_READ_MAP;
+  if (info->source > CSM_READ_CAMERA_DEPTH || info->reserved)
+    return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_read_info: there is no source %u", info->source);
+  if (map ? !info->cascades : !info->view)
+    return host_fail(host, CSM_ERROR_NULL_POINTER, "csm_read_info: %s is NULL", map ? "cascades" : "view");
+  if (map ? !cascades_known(context, info->cascades) : !view_known(context, info->view))
+    return host_fail(host, CSM_ERROR_INVALID_HANDLE, "csm_read_info: %s is none of this context",
+                     map ? "cascades" : "view");
+  if (map && info->cascade >= info->cascades->config.cascade_count)
+    return host_fail(host, CSM_ERROR_INVALID_INDEX, "csm_read_info: cascade %u of %u", info->cascade,
+                     info->cascades->config.cascade_count);
+  return CSM_SUCCESS;
+}
+
+static csm_result find_source(csm_context *context, const csm_read_info *info, technique_image *out) {
+  csm_result result = check_owner(context, info);
+  if (result)
+    return result;
+  const bool map = info->source == CSM_READ_MAP;
+  result = map ? cascades_drawn(info->cascades) : CSM_SUCCESS;
+  if (result)
+    return result;
+  result = technique_set_find(map ? &info->cascades->techniques : &info->view->techniques, info->source,
+                              info->cascade, out);
+  return result ? host_fail(&context->host, CSM_ERROR_INVALID_STATE, "no mask has been resolved yet") : CSM_SUCCESS;
+}
+
+static float texel(const unsigned char *from, gpu_format format) {
+  uint16_t unorm;
+  float value;
+  switch (format) {
+  case GPU_FORMAT_R8_UNORM:
+    return (float)from[0] / 255.0f;
+  case GPU_FORMAT_D16_UNORM:
+    memcpy(&unorm, from, sizeof unorm);
+    return (float)unorm / 65535.0f;
+  default:
+    memcpy(&value, from, sizeof value);
+    return value;
+  }
+}
+
+static void unpack(const technique_image *from, const unsigned char *rows, uint32_t row_bytes, float *out) {
+  const uint32_t bytes = gpu_format_bytes(from->format);
+  for (uint32_t y = 0; y < from->part.height; ++y) {
+    const unsigned char *row = rows + (size_t)(from->part.y + y) * row_bytes + (size_t)from->part.x * bytes;
+    for (uint32_t x = 0; x < from->part.width; ++x)
+      *out++ = texel(row + (size_t)x * bytes, from->format);
+  }
+}
+
+static csm_result copy_out(device *device, const technique_image *from, float *data) {
+  const gpu_region whole = {.layer = from->layer, .width = from->width, .height = from->height};
+  const uint32_t row_bytes = device_row_bytes(whole.width, from->format);
+  const uint64_t size = (uint64_t)row_bytes * whole.height;
+  gpu_buffer *buffer;
+  ring_range ring = {0};
+  csm_result result = device_buffer(
+      device, &(gpu_buffer_info){.name = "read back", .kind = GPU_BUFFER_READBACK, .size = size}, &buffer);
+  if (result)
+    return result;
+  result = recording_prepare(device, 0, 0, &ring);
+  if (!result)
+    result = recording_begin(device, NULL);
+  if (!result) {
+    /* Whole, for Direct3D 12 does not copy parts of depth. */
+    gpu_copy_image(device->gpu, buffer, 0, row_bytes, from->image, &whole);
+    result = recording_end(device);
+  }
+  if (!result)
+    result = recording_finish(device);
+  if (!result)
+    unpack(from, gpu_buffer_memory(device->gpu, buffer), row_bytes, data);
+  device_buffer_free(device, buffer, size);
+  return result;
+}
+
+csm_result CSM_CALL csm_read(csm_context *context, const csm_read_info *in) {
+  if (!context)
+    return CSM_ERROR_NULL_POINTER;
+  host *host = &context->host;
+  device *device = context_device(context);
+  csm_read_info info;
+  technique_image from = {0};
+  csm_result result = context_usable(context);
+  if (!result)
+    result = host_check_struct(host, struct_read(&info, sizeof info, in), "csm_read_info");
+  if (!result && !device->own)
+    result = host_fail(host, CSM_ERROR_UNSUPPORTED, "csm_read needs an own device: it submits and waits");
+  if (!result)
+    result = find_source(context, &info, &from);
+  if (result)
+    return result;
+  const uint64_t size = (uint64_t)from.part.width * from.part.height * sizeof(float);
+  if (!info.data)
+    return host_fail(host, CSM_ERROR_NULL_POINTER, "csm_read_info: data is NULL");
+  if (info.size != size)
+    return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_read_info: size is %llu, not %llu",
+                     (unsigned long long)info.size, (unsigned long long)size);
+  return copy_out(device, &from, info.data);
+}

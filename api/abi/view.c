@@ -1,0 +1,50 @@
+#include "abi/view.h"
+
+bool view_known(const csm_context *context, const csm_view *view) {
+  const csm_view *known = context->views;
+  while (known && known != view)
+    known = known->next;
+  return known;
+}
+
+csm_result CSM_CALL csm_view_create(csm_context *context, csm_view **out) {
+  if (out)
+    *out = NULL;
+  if (!context)
+    return CSM_ERROR_NULL_POINTER;
+  host *host = &context->host;
+  csm_result result = context_usable(context);
+  if (!result && !out)
+    result = host_fail(host, CSM_ERROR_NULL_POINTER, "view is NULL");
+  if (result)
+    return result;
+  csm_view *view = host_allocate(host, sizeof *view);
+  if (!view)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  result = technique_set_begin_view(&view->techniques, host);
+  if (result) {
+    host_release(host, view);
+    return result;
+  }
+  view->context = context;
+  view->next = context->views;
+  view->link = &context->views;
+  if (view->next)
+    view->next->link = &view->next;
+  context->views = view;
+  *out = view;
+  return CSM_SUCCESS;
+}
+
+csm_result CSM_CALL csm_view_destroy(csm_view *view) {
+  if (!view)
+    return CSM_SUCCESS;
+  csm_context *context = view->context;
+  technique_set_drop(&view->techniques, context_device(context));
+  technique_set_end(&view->techniques);
+  *view->link = view->next;
+  if (view->next)
+    view->next->link = view->link;
+  host_release(&context->host, view);
+  return CSM_SUCCESS;
+}

@@ -1,0 +1,34 @@
+/* geometry.h: meshes on a device: copied ones in pages, and engines' own buffers. Meshes go by their index in the
+   context's table. */
+#ifndef DEVICE_GEOMETRY_H
+#define DEVICE_GEOMETRY_H
+
+#include "device/alpha_images.h"
+#include "device/device.h"
+
+/* What an alpha-tested mesh is cut out with. */
+typedef struct mesh_cut_out {
+  const csm_alpha_mask_info *mask; /* size and wrapping; NULL: the mesh is opaque */
+  uint32_t index;                  /* of the mask's image */
+} mesh_cut_out;
+
+/* Makes room for meshes in `capacity` places. */
+csm_result geometry_reserve(device *device, uint32_t capacity);
+/*
+ * Places a checked mesh below the capacity: copies it to staging, or takes in an engine's buffers. Positions are stored
+ * less `offset`, of three doubles.
+ */
+csm_result geometry_add(device *device, uint32_t index, const csm_mesh_info *info, const double *offset,
+                        const mesh_cut_out *cut_out);
+/*
+ * Gives a copied mesh other positions, less another offset. Frames that were recorded before draw what they had: the
+ * next recording copies them, in the queue's order. Errors: those of device_buffer, OUT_OF_MEMORY.
+ */
+csm_result geometry_update(device *device, uint32_t index, const csm_mesh_update_info *info, uint32_t vertex_count,
+                           const double *offset);
+/* Whether a mesh lies in an engine's own buffers. */
+bool geometry_is_engines(const device *device, uint32_t index);
+/* Frees a place once the GPU is done with it. */
+void geometry_remove(device *device, uint32_t index);
+
+#endif

@@ -1,0 +1,91 @@
+#include "device/pages.h"
+
+enum { page_smallest = 8 << 20 };
+
+static csm_result page_create(device *device, uint64_t size, page **out) {
+  page *made = host_allocate(device->host, sizeof *made);
+  page_piece *whole = made ? host_allocate(device->host, sizeof *whole) : NULL;
+  csm_result result = CSM_ERROR_OUT_OF_MEMORY;
+  if (!whole)
+    goto fail;
+  made->size = size > page_smallest ? size : page_smallest;
+  result = device_buffer(device, &(gpu_buffer_info){.name = "geometry", .kind = GPU_BUFFER_DEVICE, .size = made->size},
+                         &made->buffer);
+  if (result)
+    goto fail;
+  *whole = (page_piece){.page = made, .size = made->size};
+  made->free = whole;
+  made->next = device->geometry.pages;
+  device->geometry.pages = made;
+  *out = made;
+  return CSM_SUCCESS;
+fail:
+  host_release(device->host, whole);
+  host_release(device->host, made);
+  return result;
+}
+
+static page_piece **find_free(page *page, uint64_t size) {
+  page_piece **link = &page->free;
+  while (*link && (*link)->size < size)
+    link = &(*link)->next;
+  return link;
+}
+
+csm_result pages_take(device *device, uint64_t size, page_piece **out) {
+  page *from = device->geometry.pages;
+  while (from && !*find_free(from, size))
+    from = from->next;
+  page_piece *piece = host_allocate(device->host, sizeof *piece);
+  if (!piece)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  const csm_result result = from ? CSM_SUCCESS : page_create(device, size, &from);
+  if (result) {
+    host_release(device->host, piece);
+    return result;
+  }
+  page_piece **link = find_free(from, size), *free = *link;
+  *piece = (page_piece){.page = from, .offset = free->offset, .size = size};
+  free->offset += size;
+  free->size -= size;
+  if (!free->size) {
+    *link = free->next;
+    host_release(device->host, free);
+  }
+  *out = piece;
+  return CSM_SUCCESS;
+}
+
+/* Makes the piece that follows a part of this one where the two touch. */
+static void join(device *device, page_piece *piece) {
+  page_piece *next = piece->next;
+  if (!next || piece->offset + piece->size != next->offset)
+    return;
+  piece->size += next->size;
+  piece->next = next->next;
+  host_release(device->host, next);
+}
+
+void pages_give_back(device *device, page_piece *piece) {
+  page_piece *before = NULL;
+  page *to = piece->page;
+  piece->next = to->free;
+  while (piece->next && piece->next->offset < piece->offset) {
+    before = piece->next;
+    piece->next = before->next;
+  }
+  *(before ? &before->next : &to->free) = piece;
+  join(device, piece);
+  if (before)
+    join(device, before);
+}
+
+void pages_destroy(device *device) {
+  while (device->geometry.pages) {
+    page *gone = device->geometry.pages;
+    device->geometry.pages = gone->next;
+    device_buffer_free(device, gone->buffer, gone->size);
+    host_release(device->host, gone->free);
+    host_release(device->host, gone);
+  }
+}

@@ -1,0 +1,138 @@
+#include "device/device.h"
+
+/* Takes over what a slot's frame measured, now that it is done. */
+static csm_result collect_timings(device *device, uint32_t index) {
+  frame_slot *slot = &device->slots[index];
+  csm_result result = CSM_SUCCESS;
+  for (uint32_t i = 0; i < slot->timing_count && !result; ++i) {
+    const timing *timing = &slot->timings[i];
+    uint64_t stamps[GPU_MAX_TIMESTAMPS];
+    if (!timing->sink.user)
+      continue;
+    result = gpu_timestamps(device->gpu, index, timing->first, timing->count, stamps);
+    if (!result)
+      timing->sink.take(timing->sink.user, stamps, timing->count);
+    else if (result == CSM_ERROR_UNSUPPORTED) /* a queue that measures nothing: the times stay negative */
+      result = CSM_SUCCESS;
+  }
+  slot->timing_count = 0;
+  return device_check(device, result, "reading timestamps");
+}
+
+static csm_result wait_for_slot(device *device, uint32_t index) {
+  const csm_result result =
+      device_check(device, gpu_wait(device->gpu, index), "waiting for the device");
+  if (result)
+    return result;
+  if (device->slots[index].serial > device->done)
+    device->done = device->slots[index].serial;
+  return collect_timings(device, index);
+}
+
+/* ---- recordings ---- */
+
+/* Which slot a frame takes. An engine's calls may share a frame. */
+static csm_result find_slot(device *device, uint64_t frame, next_frame *out) {
+  const bool fresh = device->own || frame != device->serial;
+  *out = (next_frame){.serial = device->own ? device->serial + 1 : frame,
+                      .slot = fresh ? (device->slot + 1) % device->slot_count : device->slot,
+                      .fresh = fresh};
+  if (out->serial < device->serial)
+    return host_fail(device->host, CSM_ERROR_INVALID_VALUE, "csm_frame: frame %llu comes after frame %llu",
+                        (unsigned long long)frame, (unsigned long long)device->serial);
+  if (!device->own && out->serial <= device->done)
+    return host_fail(device->host, CSM_ERROR_INVALID_VALUE, "csm_frame: frame %llu is retired already",
+                        (unsigned long long)frame);
+  const uint64_t holder = device->slots[out->slot].serial;
+  if (!device->own && fresh && holder > device->done)
+    return host_fail(device->host, CSM_ERROR_INVALID_STATE,
+                        "frame %llu needs the place of frame %llu, which is not retired: more frames are in flight "
+                        "than the %u frame_slots",
+                        (unsigned long long)frame, (unsigned long long)holder, device->slot_count);
+  return CSM_SUCCESS;
+}
+
+csm_result recording_prepare(device *device, uint64_t frame, uint64_t ring_size, ring_range *range) {
+  next_frame next;
+  csm_result result = find_slot(device, frame, &next);
+  if (!result && device->own)
+    result = wait_for_slot(device, next.slot);
+  if (result)
+    return result;
+  retire_collect(device);
+  if (ring_size)
+    result = ring_reserve(device, &device->slots[next.slot], next.fresh, ring_size, range);
+  if (!result)
+    device->prepared = next;
+  return result;
+}
+
+csm_result recording_begin(device *device, void *native) {
+  const next_frame *next = &device->prepared;
+  const gpu_record_info info = {.slot = next->slot, .native = native, .first = next->fresh};
+  const csm_result result =
+      device_check(device, gpu_begin(device->gpu, &info), "beginning a recording");
+  if (result)
+    return result;
+  frame_slot *slot = &device->slots[next->slot];
+  if (next->fresh)
+    slot->stamps = 0;
+  slot->serial = device->serial = next->serial;
+  device->slot = next->slot;
+  geometry_record(device);
+  alpha_images_record(device);
+  return CSM_SUCCESS;
+}
+
+csm_result recording_end(device *device) {
+  const csm_result result = gpu_end(device->gpu);
+  if (!result)
+    return CSM_SUCCESS;
+  /* What was recorded is gone, uploads among it: there is no way back to what was. */
+  device->lost = true;
+  return host_fail(device->host, CSM_ERROR_DEVICE_LOST, "submitting a recording: %s", csm_result_name(result));
+}
+
+/* ---- timing ---- */
+
+bool recording_expect_timing(device *device, const timing_sink *sink, uint32_t count, uint32_t *first) {
+  frame_slot *slot = &device->slots[device->slot];
+  if (slot->timing_count == DEVICE_MAX_TIMINGS || slot->stamps + count > GPU_MAX_TIMESTAMPS)
+    return false;
+  *first = slot->stamps;
+  slot->timings[slot->timing_count++] = (timing){.sink = *sink, .first = slot->stamps, .count = count};
+  slot->stamps += count;
+  return true;
+}
+
+void recording_forget_timing(device *device, const void *user) {
+  for (uint32_t i = 0; i < device->slot_count; ++i)
+    for (uint32_t t = 0; t < device->slots[i].timing_count; ++t)
+      if (device->slots[i].timings[t].sink.user == user)
+        device->slots[i].timings[t].sink.user = NULL;
+}
+
+/* ---- ends ---- */
+
+csm_result recording_finish(device *device) {
+  if (!device->own)
+    return CSM_SUCCESS;
+  for (uint32_t slot = 0; slot < device->slot_count; ++slot) {
+    const csm_result result = wait_for_slot(device, slot);
+    if (result)
+      return result;
+  }
+  retire_collect(device);
+  return CSM_SUCCESS;
+}
+
+csm_result recording_retire(device *device, uint64_t frame) {
+  csm_result result = CSM_SUCCESS;
+  for (uint32_t slot = 0; slot < device->slot_count && !result; ++slot)
+    if (device->slots[slot].serial > device->done && device->slots[slot].serial <= frame)
+      result = collect_timings(device, slot);
+  if (frame > device->done)
+    device->done = frame;
+  retire_collect(device);
+  return result;
+}

@@ -1,0 +1,82 @@
+/* cache.c: boxes of casters in light space, kept from plan to plan. */
+#include "plan/internal.h"
+
+#include <string.h>
+
+/* A box that meets nothing. */
+static void put_none(plan_light_block *block, uint32_t at) {
+  const double beyond = 1e300;
+  for (int axis = 0; axis < 3; ++axis) {
+    block->low[axis][at] = beyond;
+    block->high[axis][at] = -beyond;
+  }
+}
+
+static void put_box(plan_light_block *block, const double basis[9], const plan_scene *scene, uint32_t slot) {
+  const plan_instance *instance = &scene->instances[slot];
+  const uint32_t at = slot % PLAN_BLOCK;
+  if (!plan_casts(instance)) {
+    put_none(block, at);
+    return;
+  }
+  plan_placed box;
+  plan_place(&box, instance, &scene->meshes[instance->mesh]);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double center = plan_dot(box.center, &basis[axis * 3]), extent = plan_reach(&box, &basis[axis * 3]);
+    block->low[axis][at] = center - extent;
+    block->high[axis][at] = center + extent;
+  }
+}
+
+void plan_light_block_make(plan_light_block *out, const double basis[9], const plan_scene *scene, uint32_t first) {
+  for (uint32_t i = 0; i < PLAN_BLOCK; ++i)
+    if (first + i < scene->slot_count)
+      put_box(out, basis, scene, first + i);
+    else
+      put_none(out, i);
+}
+
+static uint32_t blocks_of(uint32_t slots) {
+  return slots / PLAN_BLOCK + (slots % PLAN_BLOCK != 0);
+}
+
+size_t plan_cache_size(uint32_t slot_count) {
+  return (size_t)blocks_of(slot_count) * sizeof(plan_light_block);
+}
+
+static void fill(plan_light_block *blocks, const plan_cache *cache, const plan_scene *scene) {
+  for (uint32_t i = 0; i < blocks_of(cache->slots); ++i)
+    plan_light_block_make(&blocks[i], cache->basis, scene, i * PLAN_BLOCK);
+}
+
+/* From the journal, or, where that does not reach back so far, from the revision of every slot. */
+static void refresh(plan_light_block *blocks, const plan_cache *cache, const plan_scene *scene) {
+  if (cache->revision >= scene->journal_from) {
+    for (uint64_t change = cache->revision; change < scene->revision; ++change) {
+      const uint32_t slot = scene->journal[change & (scene->journal_size - 1)];
+      put_box(&blocks[slot / PLAN_BLOCK], cache->basis, scene, slot);
+    }
+    return;
+  }
+  for (uint32_t slot = 0; slot < scene->slot_count; ++slot)
+    if (scene->revisions[slot] > cache->revision)
+      put_box(&blocks[slot / PLAN_BLOCK], cache->basis, scene, slot);
+}
+
+const plan_light_block *plan_cache_fill(plan_cache *cache, const double basis[9], const plan_scene *scene) {
+  if (!cache || !scene->identity || cache->slots < scene->slot_count)
+    return NULL;
+  plan_light_block *blocks = cache->memory;
+  const bool same =
+      cache->keeps && cache->identity == scene->identity && memcmp(cache->basis, basis, sizeof cache->basis) == 0;
+  if (same) {
+    refresh(blocks, cache, scene);
+  } else {
+    memcpy(cache->basis, basis, sizeof cache->basis);
+    fill(blocks, cache, scene);
+  }
+  cache->keeps = true;
+  cache->identity = scene->identity;
+  cache->revision = scene->revision;
+  return blocks;
+}

@@ -1,0 +1,63 @@
+/* assets.h: what casts, whatever the device is: meshes and alpha masks by handle, with what is kept of them. */
+#ifndef SCENE_ASSETS_H
+#define SCENE_ASSETS_H
+
+#include "device/geometry.h"
+#include "plan/plan.h"
+#include "scene/handles.h"
+#include "scene/instances.h"
+
+/* Arrays are by index of the handle. */
+typedef struct mesh_table {
+  handle_table handles;
+  csm_mesh_info *infos; /* shapes; positions, uvs and indices point into the copy, or are NULL */
+  void **copies;
+  plan_bounds *bounds; /* as the plan wants them */
+  uint32_t *users;     /* instances of scenes */
+  void *moved;         /* the bounds that they have on the device to move to */
+  size_t moved_size;
+} mesh_table;
+
+typedef struct alpha_mask_table {
+  handle_table handles;
+  csm_alpha_mask_info *infos; /* texels are the table's copy */
+  uint32_t *users;            /* meshes */
+} alpha_mask_table;
+
+typedef struct assets {
+  host *host;
+  device *device; /* that they lie on now */
+  mesh_table meshes;
+  alpha_mask_table alpha_masks;
+  struct csm_scene *scenes; /* all of them */
+  bool keep_geometry;
+  csm_supply_function supply; /* may be NULL */
+} assets;
+
+/* Handles of these assets mean nothing to others'. `key` is a handles_key. */
+void assets_begin(assets *assets, host *host, uint64_t key);
+/* Places everything on another device, from copies or what `supply` gives; assets->device stays. */
+csm_result assets_move(assets *assets, device *to);
+/* Takes the device over that assets_move placed everything on last. */
+void assets_moved(assets *assets, device *to);
+/* Frees what lies in host memory, scenes included. */
+void assets_end(assets *assets);
+
+/* What instances look into. */
+instances_meshes assets_meshes(const assets *assets);
+
+/* ---- meshes.c; the device is not lost ---- */
+csm_result mesh_create(assets *assets, const csm_mesh_info *info, csm_mesh *mesh);
+csm_result mesh_update(assets *assets, csm_mesh mesh, const csm_mesh_update_info *info);
+csm_result mesh_destroy(assets *assets, csm_mesh mesh);
+csm_result meshes_move(assets *assets, device *to);
+void meshes_moved(assets *assets);
+void meshes_end(assets *assets);
+
+/* ---- alpha_masks.c; likewise ---- */
+csm_result alpha_mask_create(assets *assets, const csm_alpha_mask_info *info, csm_alpha_mask *alpha_mask);
+csm_result alpha_mask_destroy(assets *assets, csm_alpha_mask alpha_mask);
+csm_result alpha_masks_move(assets *assets, device *to);
+void alpha_masks_end(assets *assets);
+
+#endif

@@ -1,0 +1,181 @@
+#include "techniques/camera_depth/camera_depth.h"
+
+#include "shader_code.h"
+#include "techniques/draw_list.h"
+#include "techniques/drawn_image.h"
+#include "techniques/engine_image.h"
+
+enum { ROWS = 4 }; /* float4 rows for each instance's matrix */
+
+/* Programs of a device, by shape: plain, then reversed. */
+typedef struct camera_programs {
+  uint32_t shapes;
+  gpu_program *programs[DEVICE_MAX_SHAPES];
+} camera_programs;
+
+typedef struct camera_depth_state {
+  drawn_images depth; /* NULL as long as the engine brings its own */
+  camera_programs programs[2];
+  ring_range ring; /* of the recording on its way */
+  double gpu_ms;
+  bool measured;
+} camera_depth_state;
+
+/* ---- programs ---- */
+
+typedef struct camera_key {
+  uint32_t reversed;
+  mesh_vertices vertices;
+} camera_key;
+
+static csm_result make_program(gpu gpu, const void *about, gpu_program **out) {
+  const camera_key *key = about;
+  const draw_list_kind kind = {.name = key->reversed ? "camera depth, reversed" : "camera depth",
+                               .vertex = shader_camera_depth_vs,
+                               .cut_out_vertex = shader_camera_depth_opacity_vs,
+                               .rows = ROWS,
+                               .format = GPU_FORMAT_D32_FLOAT,
+                               .compare = key->reversed ? GPU_COMPARE_GREATER : GPU_COMPARE_LESS,
+                               .clip = true};
+  return draw_list_program(gpu, &kind, key->vertices, out);
+}
+
+static csm_result extend_programs(device *device, camera_programs *programs, bool reversed) {
+  while (programs->shapes < device->shapes.count) {
+    const camera_key about = {.reversed = reversed, .vertices = device->shapes.vertices[programs->shapes]};
+    const program_key key = {
+        .make = make_program, .name = "a camera depth program", .about = &about, .size = sizeof about};
+    const csm_result result = programs_find(device, &key, &programs->programs[programs->shapes]);
+    if (result)
+      return result;
+    ++programs->shapes;
+  }
+  return CSM_SUCCESS;
+}
+
+/* ---- a picture ---- */
+
+static bool wanted(const csm_config *config) {
+  (void)config;
+  return true;
+}
+
+static uint64_t size(const void *self, const technique_run *run) {
+  (void)self;
+  return draw_list_bytes(run->picture->seen, ROWS);
+}
+
+static csm_result reserve(void *self, technique_run *run, const ring_range *ring) {
+  camera_depth_state *state = self;
+  technique_picture *picture = run->picture;
+  const bool reversed = picture->camera->reversed;
+  bool ignored;
+  state->ring = *ring;
+  if (picture->engines_depth)
+    return engine_image_import(run->device, picture->engines_depth, picture->width, picture->height,
+                               "csm_mask_info: camera_depth", &picture->depth, &ignored);
+  csm_result result = extend_programs(run->device, &state->programs[reversed], reversed);
+  if (!result)
+    result = drawn_image_reserve(&state->depth, run->device, "camera depth", GPU_FORMAT_D32_FLOAT, picture->width,
+                                 picture->height);
+  if (!result)
+    picture->depth = drawn_image_next(&state->depth)->image;
+  return result;
+}
+
+static void write(void *self, const technique_run *run) {
+  const camera_depth_state *state = self;
+  const technique_picture *picture = run->picture;
+  if (picture->seen->instance_count)
+    plan_write_view_matrices(state->ring.memory, picture->seen, picture->camera, picture->scene);
+}
+
+static void adopt(void *self, device *from) {
+  drawn_image_adopt(&((camera_depth_state *)self)->depth, from);
+}
+
+static void forget(void *self, device *device) {
+  drawn_image_forget(&((camera_depth_state *)self)->depth, device);
+}
+
+static void drop(void *self, device *device) {
+  camera_depth_state *state = self;
+  recording_forget_timing(device, state);
+  drawn_image_drop(&state->depth, device);
+  state->programs[0] = state->programs[1] = (camera_programs){0};
+  state->measured = false;
+}
+
+static void draw(const camera_depth_state *state, const technique_run *run) {
+  const gpu gpu = run->device->gpu;
+  const technique_picture *picture = run->picture;
+  const drawn_image *depth = state->depth.now;
+  const bool reversed = picture->camera->reversed;
+  gpu_marker_begin(gpu, "camera depth");
+  gpu_clear_depth(gpu, depth->image, reversed ? 0.0f : 1.0f);
+  if (picture->seen->draw_count) {
+    gpu_pass_begin(gpu, &(gpu_pass_info){.target = depth->target});
+    draw_list(gpu, &(draw_list_info){.programs = {state->programs[reversed].programs},
+                                     .cull = GPU_CULL_NONE,
+                                     .list = picture->seen,
+                                     .meshes = run->device->geometry.meshes,
+                                     .matrices = state->ring.buffer,
+                                     .offset = state->ring.offset,
+                                     .rows = ROWS});
+    gpu_pass_end(gpu);
+  }
+  gpu_make_readable(gpu, depth->image, NULL);
+  gpu_marker_end(gpu);
+}
+
+static void take_timing(void *self, const uint64_t *stamps, uint32_t count) {
+  camera_depth_state *state = self;
+  (void)count;
+  state->gpu_ms = (double)(stamps[1] - stamps[0]) * 1e-6;
+  state->measured = true;
+}
+
+static void record(void *self, const technique_run *run) {
+  camera_depth_state *state = self;
+  const timing_sink sink = {.take = take_timing, .user = state};
+  uint32_t first = 0;
+  const bool own = !run->picture->engines_depth;
+  const bool timed = run->timestamps && recording_expect_timing(run->device, &sink, 2, &first);
+  if (timed)
+    gpu_timestamp(run->device->gpu, first);
+  if (own)
+    draw(state, run);
+  if (timed)
+    gpu_timestamp(run->device->gpu, first + 1);
+  if (state->depth.now)
+    state->depth.now->drawn = own;
+}
+
+/* ---- what came of it ---- */
+
+static void tell_view(const void *self, const device *device, csm_view_stats *stats) {
+  const camera_depth_state *state = self;
+  stats->camera_depth_gpu_ms = state->measured ? state->gpu_ms : -1;
+  stats->bytes += drawn_image_bytes(&state->depth, device);
+}
+
+static csm_result find(const void *self, uint32_t source, uint32_t cascade, technique_image *out) {
+  const camera_depth_state *state = self;
+  (void)cascade;
+  return source == CSM_READ_CAMERA_DEPTH ? drawn_image_find(&state->depth, out) : CSM_ERROR_UNSUPPORTED;
+}
+
+const technique technique_camera_depth = {
+    .name = "camera depth",
+    .state_size = sizeof(camera_depth_state),
+    .wanted = wanted,
+    .adopt = adopt,
+    .forget = forget,
+    .drop = drop,
+    .size = size,
+    .reserve = reserve,
+    .write = write,
+    .record = record,
+    .tell_view = tell_view,
+    .find = find,
+};

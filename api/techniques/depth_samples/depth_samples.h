@@ -1,0 +1,13 @@
+/* depth_samples.h: the depths that a view's camera saw, tile by tile, read back once their frame is done. */
+#ifndef TECHNIQUES_DEPTH_SAMPLES_H
+#define TECHNIQUES_DEPTH_SAMPLES_H
+
+#include "techniques/technique.h"
+
+extern const technique technique_depth_samples;
+
+/* Takes over what has come back; *out is what is known now, without columns if nothing is. It stays until the view's
+   next call. */
+void depth_samples_collect(const technique_set *view, const device *device, plan_depth_samples *out);
+
+#endif

@@ -1,0 +1,66 @@
+#include "techniques/drawn_image.h"
+
+static void drawn_image_free(device *device, retired *self) {
+  drawn_image *image = (drawn_image *)self;
+  gpu_target_destroy(device->gpu, image->target);
+  device_image_free(device, image->image);
+  host_release(device->host, image);
+}
+
+csm_result drawn_image_reserve(drawn_images *images, device *device, const char *name, gpu_format format,
+                               uint32_t width, uint32_t height) {
+  if (images->now && images->now->width == width && images->now->height == height)
+    return CSM_SUCCESS;
+  drawn_image *fresh = host_allocate(device->host, sizeof *fresh);
+  if (!fresh)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  *fresh = (drawn_image){.format = format, .width = width, .height = height};
+  const csm_result result =
+      device_drawn_image(device, name, format, width, height, &fresh->image, &fresh->target);
+  if (result) {
+    host_release(device->host, fresh);
+    return result;
+  }
+  images->fresh = fresh;
+  return CSM_SUCCESS;
+}
+
+drawn_image *drawn_image_next(const drawn_images *images) {
+  return images->fresh ? images->fresh : images->now;
+}
+
+void drawn_image_drop(drawn_images *images, device *device) {
+  if (images->now)
+    retire(device, &images->now->retired, drawn_image_free);
+  images->now = NULL;
+}
+
+void drawn_image_adopt(drawn_images *images, device *device) {
+  if (!images->fresh)
+    return;
+  drawn_image_drop(images, device);
+  images->now = images->fresh;
+  images->fresh = NULL;
+}
+
+void drawn_image_forget(drawn_images *images, device *device) {
+  if (images->fresh)
+    drawn_image_free(device, &images->fresh->retired);
+  images->fresh = NULL;
+}
+
+uint64_t drawn_image_bytes(const drawn_images *images, const device *device) {
+  return images->now ? gpu_image_bytes(device->gpu, images->now->image) : 0;
+}
+
+csm_result drawn_image_find(const drawn_images *images, technique_image *out) {
+  const drawn_image *image = images->now;
+  if (!image || !image->drawn)
+    return CSM_ERROR_INVALID_STATE;
+  *out = (technique_image){.image = image->image,
+                           .format = image->format,
+                           .width = image->width,
+                           .height = image->height,
+                           .part = {.width = image->width, .height = image->height}};
+  return CSM_SUCCESS;
+}

@@ -1,0 +1,34 @@
+/* drawn_image.h: an image that a view's technique draws, in the size of the view's pictures. */
+#ifndef TECHNIQUES_DRAWN_IMAGE_H
+#define TECHNIQUES_DRAWN_IMAGE_H
+
+#include "techniques/technique.h"
+
+typedef struct drawn_image {
+  retired retired;
+  gpu_image *image;
+  gpu_target *target;
+  gpu_format format;
+  uint32_t width, height;
+  bool drawn;
+} drawn_image;
+
+/* What a state has, and what is made beside it. */
+typedef struct drawn_images {
+  drawn_image *now, *fresh; /* may be NULL */
+} drawn_images;
+
+/* Makes a fresh one if there is none of this size. */
+csm_result drawn_image_reserve(drawn_images *images, device *device, const char *name, gpu_format format,
+                               uint32_t width, uint32_t height);
+/* The one that the recording on its way draws into. */
+drawn_image *drawn_image_next(const drawn_images *images);
+/* As a technique's functions of these names. */
+void drawn_image_adopt(drawn_images *images, device *device);
+void drawn_image_forget(drawn_images *images, device *device);
+void drawn_image_drop(drawn_images *images, device *device);
+uint64_t drawn_image_bytes(const drawn_images *images, const device *device);
+/* INVALID_STATE if there is none, or it was not drawn. */
+csm_result drawn_image_find(const drawn_images *images, technique_image *out);
+
+#endif

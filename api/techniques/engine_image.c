@@ -1,0 +1,36 @@
+#include "techniques/engine_image.h"
+
+typedef struct imported_image {
+  retired retired;
+  gpu_image *image;
+} imported_image;
+
+static void imported_free(device *device, retired *self) {
+  gpu_image_destroy(device->gpu, ((imported_image *)self)->image);
+  host_release(device->host, self);
+}
+
+csm_result engine_image_import(device *device, const void *native, uint32_t width, uint32_t height, const char *name,
+                               gpu_image **out, bool *unorm) {
+  *out = NULL;
+  if (!native)
+    return CSM_SUCCESS;
+  imported_image *imported = host_allocate(device->host, sizeof *imported);
+  if (!imported)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  gpu_imported about = {0};
+  const csm_result result =
+      device_check(device, gpu_image_import(device->gpu, native, &imported->image, &about), name);
+  if (result) {
+    host_release(device->host, imported);
+    return result;
+  }
+  retire(device, &imported->retired, imported_free);
+  imported->retired.serial = device->prepared.serial;
+  if (about.width != width || about.height != height)
+    return host_fail(device->host, CSM_ERROR_INVALID_VALUE, "%s is %u x %u, and the mask %u x %u", name, about.width,
+                     about.height, width, height);
+  *unorm = about.unorm;
+  *out = imported->image;
+  return CSM_SUCCESS;
+}

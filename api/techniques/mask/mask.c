@@ -1,0 +1,163 @@
+#include "techniques/mask/mask.h"
+
+#include "techniques/drawn_image.h"
+#include "techniques/engine_image.h"
+#include "techniques/inputs.h"
+#include "techniques/maps/maps.h"
+#include "techniques/mask/mask_programs.h"
+
+#include <string.h>
+
+enum { BLOCKS = MASK_CASCADES_BLOCK + MASK_CAMERA_BLOCK };
+
+typedef struct mask_state {
+  drawn_images mask;
+  inputs inputs[2]; /* without and with normals */
+  double gpu_ms;
+  bool measured;
+  /* of the recording on its way */
+  ring_range ring;
+  gpu_program *program;
+  gpu_bindings *bindings;
+  bool unorm_normals;
+} mask_state;
+
+static bool wanted(const csm_config *config) {
+  (void)config;
+  return true;
+}
+
+static uint64_t size(const void *self, const technique_run *run) {
+  (void)self;
+  (void)run;
+  return BLOCKS;
+}
+
+static csm_result reserve(void *self, technique_run *run, const ring_range *ring) {
+  mask_state *state = self;
+  device *device = run->device;
+  const technique_picture *picture = run->picture;
+  const bool shows = picture->show != CSM_SHOW_VISIBILITY;
+  gpu_image *normals = NULL;
+  state->ring = *ring;
+  csm_result result = drawn_image_reserve(&state->mask, device, "mask", GPU_FORMAT_R8_UNORM, picture->width,
+                                          picture->height);
+  if (!result)
+    result = engine_image_import(device, picture->engines_normals, picture->width, picture->height,
+                                 "csm_mask_info: normals", &normals, &state->unorm_normals);
+  if (shows)
+    normals = NULL; /* checked all the same */
+  const mask_kind kind = mask_kind_of(run->config, normals, shows);
+  if (!result)
+    result = mask_program(device, &kind, &state->program);
+  if (result)
+    return result;
+  const gpu_bindings_info reads = {
+      .name = "mask",
+      .program = state->program,
+      .constants = {ring->buffer, ring->buffer},
+      .textures = {maps_image(run->cascades), picture->depth, normals},
+  };
+  return inputs_find(&state->inputs[normals != NULL], device, &reads, &state->bindings);
+}
+
+static void write(void *self, const technique_run *run) {
+  const mask_state *state = self;
+  const technique_picture *picture = run->picture;
+  char *blocks = state->ring.memory;
+  memcpy(blocks, run->constants[0], run->constants_sizes[0]);
+  plan_write_mask_constants((float *)(blocks + MASK_CASCADES_BLOCK), run->plan, picture->camera, picture->width,
+                            picture->height, state->unorm_normals, picture->show);
+}
+
+static void adopt(void *self, device *from) {
+  drawn_image_adopt(&((mask_state *)self)->mask, from);
+}
+
+static void forget(void *self, device *device) {
+  drawn_image_forget(&((mask_state *)self)->mask, device);
+}
+
+static void drop(void *self, device *device) {
+  mask_state *state = self;
+  recording_forget_timing(device, state);
+  drawn_image_drop(&state->mask, device);
+  for (int normals = 0; normals < 2; ++normals)
+    inputs_drop(&state->inputs[normals], device);
+  state->measured = false;
+}
+
+static void take_timing(void *self, const uint64_t *stamps, uint32_t count) {
+  mask_state *state = self;
+  (void)count;
+  state->gpu_ms = (double)(stamps[1] - stamps[0]) * 1e-6;
+  state->measured = true;
+}
+
+static void record(void *self, const technique_run *run) {
+  mask_state *state = self;
+  const gpu gpu = run->device->gpu;
+  const timing_sink sink = {.take = take_timing, .user = state};
+  const uint32_t offset = (uint32_t)state->ring.offset;
+  const uint32_t offsets[] = {offset, offset + MASK_CASCADES_BLOCK};
+  uint32_t first = 0;
+  const bool timed = run->timestamps && recording_expect_timing(run->device, &sink, 2, &first);
+  if (timed)
+    gpu_timestamp(gpu, first);
+  gpu_marker_begin(gpu, "mask");
+  gpu_pass_begin(gpu, &(gpu_pass_info){.target = state->mask.now->target, .color_load = GPU_LOAD_DISCARD});
+  gpu_pass_program(gpu, state->program);
+  gpu_pass_bind(gpu, state->bindings, offsets);
+  gpu_pass_draw(gpu, &(gpu_draw){.count = 3, .instance_count = 1});
+  gpu_pass_end(gpu);
+  gpu_make_readable(gpu, state->mask.now->image, NULL);
+  gpu_marker_end(gpu);
+  if (timed)
+    gpu_timestamp(gpu, first + 1);
+  state->mask.now->drawn = true;
+}
+
+static void bind(const void *self, device *device, csm_binding *binding) {
+  const drawn_image *mask = ((const mask_state *)self)->mask.now;
+  gpu_native_image native;
+  if (!mask || !mask->drawn)
+    return;
+  gpu_image_native(device->gpu, mask->image, &native);
+  binding->native_mask = native.image;
+  binding->native_mask_view = native.view;
+  if (binding->mask_descriptor)
+    gpu_image_describe(device->gpu, mask->image, binding->mask_descriptor);
+}
+
+static void tell_view(const void *self, const device *device, csm_view_stats *stats) {
+  const mask_state *state = self;
+  const drawn_image *mask = state->mask.now;
+  stats->mask_gpu_ms = state->measured ? state->gpu_ms : -1;
+  stats->bytes += drawn_image_bytes(&state->mask, device);
+  if (mask && mask->drawn) {
+    stats->width = mask->width;
+    stats->height = mask->height;
+  }
+}
+
+static csm_result find(const void *self, uint32_t source, uint32_t cascade, technique_image *out) {
+  const mask_state *state = self;
+  (void)cascade;
+  return source == CSM_READ_MASK ? drawn_image_find(&state->mask, out) : CSM_ERROR_UNSUPPORTED;
+}
+
+const technique technique_mask = {
+    .name = "mask",
+    .state_size = sizeof(mask_state),
+    .wanted = wanted,
+    .adopt = adopt,
+    .forget = forget,
+    .drop = drop,
+    .size = size,
+    .reserve = reserve,
+    .write = write,
+    .record = record,
+    .bind = bind,
+    .tell_view = tell_view,
+    .find = find,
+};

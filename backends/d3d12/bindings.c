@@ -1,0 +1,174 @@
+/*
+ * bindings.c: what programs read and write. Root parameters are a constant buffer each for b0 and on, then one table
+ * with all else, which points to a block of descriptors. Samplers are static.
+ */
+#include "internal.h"
+
+enum { TABLE_RANGES = 4 };
+
+/* ---- root signatures ---- */
+
+/* The ranges of the table that hold anything. */
+static uint32_t table_ranges(const gpu_program_info *info, D3D12_DESCRIPTOR_RANGE *out) {
+  const D3D12_DESCRIPTOR_RANGE ranges[] = {
+      {.RangeType = D3D12_DESCRIPTOR_RANGE_TYPE_SRV,
+       .NumDescriptors = info->texture_count,
+       .OffsetInDescriptorsFromTableStart = D3D12_BLOCK_TEXTURES},
+      {.RangeType = D3D12_DESCRIPTOR_RANGE_TYPE_SRV,
+       .NumDescriptors = info->buffer_count,
+       .BaseShaderRegister = GPU_FIRST_BUFFER,
+       .OffsetInDescriptorsFromTableStart = D3D12_BLOCK_BUFFERS},
+      {.RangeType = D3D12_DESCRIPTOR_RANGE_TYPE_UAV,
+       .NumDescriptors = info->store_image_count,
+       .OffsetInDescriptorsFromTableStart = D3D12_BLOCK_STORE_IMAGES},
+      {.RangeType = D3D12_DESCRIPTOR_RANGE_TYPE_UAV,
+       .NumDescriptors = info->store_buffer_count,
+       .BaseShaderRegister = GPU_FIRST_STORE_BUFFER,
+       .OffsetInDescriptorsFromTableStart = D3D12_BLOCK_STORE_BUFFERS},
+  };
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < TABLE_RANGES; i++)
+    if (ranges[i].NumDescriptors)
+      out[count++] = ranges[i];
+  return count;
+}
+
+static HRESULT serialize(const gpu_device *device, const D3D12_ROOT_SIGNATURE_DESC *signature, ID3DBlob **out) {
+  return device->own ? d3d12_runtime_serialize(device->runtime, signature, out)
+                     : device->serialize(signature, D3D_ROOT_SIGNATURE_VERSION_1_0, out, NULL);
+}
+
+csm_result d3d12_signature_create(gpu_device *device, gpu_program *program, const gpu_program_info *info) {
+  D3D12_ROOT_PARAMETER parameters[GPU_MAX_CONSTANTS + 1];
+  D3D12_STATIC_SAMPLER_DESC samplers[GPU_MAX_SAMPLERS];
+  D3D12_DESCRIPTOR_RANGE ranges[TABLE_RANGES];
+  const uint32_t range_count = table_ranges(info, ranges);
+  program->has_table = range_count > 0;
+  uint32_t count = 0;
+  for (; count < info->constants_count; count++)
+    parameters[count] = (D3D12_ROOT_PARAMETER){.ParameterType = D3D12_ROOT_PARAMETER_TYPE_CBV,
+                                               .Descriptor = {.ShaderRegister = count},
+                                               .ShaderVisibility = D3D12_SHADER_VISIBILITY_ALL};
+  if (range_count)
+    parameters[count++] =
+        (D3D12_ROOT_PARAMETER){.ParameterType = D3D12_ROOT_PARAMETER_TYPE_DESCRIPTOR_TABLE,
+                               .DescriptorTable = {.NumDescriptorRanges = range_count, .pDescriptorRanges = ranges},
+                               .ShaderVisibility = D3D12_SHADER_VISIBILITY_ALL};
+  for (uint32_t i = 0; i < info->sampler_count; i++)
+    samplers[i] = d3d12_sampler(device, info->samplers[i], i);
+  const D3D12_ROOT_SIGNATURE_DESC signature = {
+      .NumParameters = count,
+      .pParameters = parameters,
+      .NumStaticSamplers = info->sampler_count,
+      .pStaticSamplers = samplers,
+      .Flags = info->compute.dxbc_size ? D3D12_ROOT_SIGNATURE_FLAG_NONE
+                                       : D3D12_ROOT_SIGNATURE_FLAG_ALLOW_INPUT_ASSEMBLER_INPUT_LAYOUT};
+  ID3DBlob *blob = NULL;
+  HRESULT hr = serialize(device, &signature, &blob);
+  if (FAILED(hr))
+    return d3d12_check(device, hr, "D3D12SerializeRootSignature");
+  hr = ID3D12Device_CreateRootSignature(device->handle, 0, ID3D10Blob_GetBufferPointer(blob),
+                                        ID3D10Blob_GetBufferSize(blob), &IID_ID3D12RootSignature,
+                                        (void **)&program->signature);
+  ID3D10Blob_Release(blob);
+  return d3d12_check(device, hr, "CreateRootSignature");
+}
+
+/* ---- bindings ---- */
+
+csm_result d3d12_descriptors_create(gpu_device *device) {
+  const D3D12_DESCRIPTOR_HEAP_DESC heap = {.Type = D3D12_DESCRIPTOR_HEAP_TYPE_CBV_SRV_UAV,
+                                           .NumDescriptors = D3D12_BINDING_BLOCKS * D3D12_BLOCK_SIZE,
+                                           .Flags = D3D12_DESCRIPTOR_HEAP_FLAG_SHADER_VISIBLE};
+  device->descriptor_size =
+      ID3D12Device_GetDescriptorHandleIncrementSize(device->handle, D3D12_DESCRIPTOR_HEAP_TYPE_CBV_SRV_UAV);
+  device->free_block_count = D3D12_BINDING_BLOCKS;
+  for (uint32_t i = 0; i < D3D12_BINDING_BLOCKS; i++)
+    device->free_blocks[i] = (uint16_t)(D3D12_BINDING_BLOCKS - 1 - i);
+  return d3d12_check(device,
+                     ID3D12Device_CreateDescriptorHeap(device->handle, &heap, &IID_ID3D12DescriptorHeap,
+                                                       (void **)&device->descriptors),
+                     "CreateDescriptorHeap");
+}
+
+static uint64_t part_size(const gpu_buffer_part *part) {
+  return part->size ? part->size : part->buffer->size - part->offset;
+}
+
+static void write_buffer(gpu_device *device, const gpu_buffer_part *part, D3D12_CPU_DESCRIPTOR_HANDLE descriptor) {
+  const uint32_t element = part->stride ? part->stride : 4;
+  const D3D12_SHADER_RESOURCE_VIEW_DESC view = {
+      .Format = part->stride ? DXGI_FORMAT_UNKNOWN : DXGI_FORMAT_R32_TYPELESS,
+      .ViewDimension = D3D12_SRV_DIMENSION_BUFFER,
+      .Shader4ComponentMapping = D3D12_DEFAULT_SHADER_4_COMPONENT_MAPPING,
+      .Buffer = {.FirstElement = part->offset / element,
+                 .NumElements = (UINT)(part_size(part) / element),
+                 .StructureByteStride = part->stride,
+                 .Flags = part->stride ? D3D12_BUFFER_SRV_FLAG_NONE : D3D12_BUFFER_SRV_FLAG_RAW}};
+  ID3D12Device_CreateShaderResourceView(device->handle, part->buffer->resource.handle, &view, descriptor);
+}
+
+static void write_store_buffer(gpu_device *device, const gpu_buffer_part *part,
+                               D3D12_CPU_DESCRIPTOR_HANDLE descriptor) {
+  const D3D12_UNORDERED_ACCESS_VIEW_DESC view = {.ViewDimension = D3D12_UAV_DIMENSION_BUFFER,
+                                                 .Buffer = {.FirstElement = part->offset / part->stride,
+                                                            .NumElements = (UINT)(part_size(part) / part->stride),
+                                                            .StructureByteStride = part->stride}};
+  ID3D12Device_CreateUnorderedAccessView(device->handle, part->buffer->resource.handle, NULL, &view, descriptor);
+}
+
+static D3D12_CPU_DESCRIPTOR_HANDLE descriptor(const gpu_device *device, const gpu_bindings *bindings, uint32_t index) {
+  const SIZE_T start = ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(device->descriptors).ptr;
+  const SIZE_T place = (SIZE_T)bindings->block * D3D12_BLOCK_SIZE + index;
+  return (D3D12_CPU_DESCRIPTOR_HANDLE){.ptr = start + place * device->descriptor_size};
+}
+
+void d3d12_bindings_write(gpu_device *device, gpu_bindings *bindings, const gpu_bindings_info *info) {
+  bindings->info = *info;
+  for (uint32_t i = 0; i < bindings->texture_count; i++) {
+    const D3D12_CPU_DESCRIPTOR_HANDLE place = descriptor(device, bindings, D3D12_BLOCK_TEXTURES + i);
+    if (info->texture_views[i])
+      d3d12_view_read(device, info->texture_views[i], place);
+    else
+      d3d12_image_describe(device, info->textures[i], place.ptr);
+  }
+  for (uint32_t i = 0; i < bindings->buffer_count; i++)
+    write_buffer(device, &info->buffers[i], descriptor(device, bindings, D3D12_BLOCK_BUFFERS + i));
+  for (uint32_t i = 0; i < bindings->store_image_count; i++)
+    d3d12_view_store(device, info->store_images[i], descriptor(device, bindings, D3D12_BLOCK_STORE_IMAGES + i));
+  for (uint32_t i = 0; i < bindings->store_buffer_count; i++)
+    write_store_buffer(device, &info->store_buffers[i], descriptor(device, bindings, D3D12_BLOCK_STORE_BUFFERS + i));
+}
+
+csm_result d3d12_bindings_create(gpu_device *device, const gpu_bindings_info *info, gpu_bindings **out) {
+  *out = NULL;
+  const gpu_program *program = info->program;
+  if (program->has_table && device->free_block_count == 0)
+    return d3d12_fail(device, CSM_ERROR_OUT_OF_DEVICE_MEMORY, "%s: there are %u bindings already", info->name,
+                      D3D12_BINDING_BLOCKS);
+  gpu_bindings *bindings = d3d12_allocate(device, sizeof *bindings);
+  if (!bindings)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  bindings->constants_count = program->constants_count;
+  bindings->texture_count = program->texture_count;
+  bindings->buffer_count = program->buffer_count;
+  bindings->store_image_count = program->store_image_count;
+  bindings->store_buffer_count = program->store_buffer_count;
+  bindings->has_table = program->has_table;
+  if (bindings->has_table) {
+    bindings->block = device->free_blocks[--device->free_block_count];
+    bindings->table = ID3D12DescriptorHeap_GetGPUDescriptorHandleForHeapStart(device->descriptors);
+    bindings->table.ptr += (UINT64)bindings->block * D3D12_BLOCK_SIZE * device->descriptor_size;
+  }
+  d3d12_bindings_write(device, bindings, info);
+  *out = bindings;
+  return CSM_SUCCESS;
+}
+
+void d3d12_bindings_destroy(gpu_device *device, gpu_bindings *bindings) {
+  if (!bindings)
+    return;
+  if (bindings->has_table)
+    device->free_blocks[device->free_block_count++] = (uint16_t)bindings->block;
+  d3d12_release(device, bindings);
+}

@@ -1,0 +1,182 @@
+/*
+ * state.c: states. They are kept in the order of recording, across recordings, and barriers are gathered until the
+ * next command that needs them. Images that shaders read rest readable between recordings. Buffers of the device's own
+ * memory rest in COMMON: they decay to it when a list has run, so it is the one state that holds whether or not the
+ * next recording is in the same list. Draws and dispatches promote them out of it, without a barrier. vkd3d knows
+ * neither decay nor promotion, but there the barriers that bring a buffer back order what follows.
+ */
+#include "internal.h"
+
+void d3d12_flush_barriers(gpu_device *device) {
+  if (device->barrier_count)
+    ID3D12GraphicsCommandList_ResourceBarrier(device->list, device->barrier_count, device->barriers);
+  device->barrier_count = 0;
+}
+
+static void add(gpu_device *device, const D3D12_RESOURCE_BARRIER *barrier) {
+  if (device->barrier_count == D3D12_MAX_BARRIERS)
+    d3d12_flush_barriers(device);
+  device->barriers[device->barrier_count++] = *barrier;
+}
+
+static void add_transition(gpu_device *device, const d3d12_resource *resource, uint32_t subresource,
+                           D3D12_RESOURCE_STATES before, D3D12_RESOURCE_STATES after) {
+  add(device, &(D3D12_RESOURCE_BARRIER){.Type = D3D12_RESOURCE_BARRIER_TYPE_TRANSITION,
+                                        .Transition = {.pResource = resource->handle,
+                                                       .Subresource = subresource,
+                                                       .StateBefore = before,
+                                                       .StateAfter = after}});
+}
+
+/* Orders what shaders write after what they wrote, in all resources: vkd3d takes a barrier for one image as if all of
+   it were being written. */
+static void add_store_barrier(gpu_device *device) {
+  add(device, &(D3D12_RESOURCE_BARRIER){.Type = D3D12_RESOURCE_BARRIER_TYPE_UAV});
+}
+
+/* ---- images ---- */
+
+/* Whether the range is all of the image, in one state. */
+static bool is_uniform(const gpu_image *image, const gpu_range *range) {
+  const uint32_t count = image->layer_count * image->level_count;
+  if (range->layer_count * range->level_count != count)
+    return false;
+  for (uint32_t i = 1; i < count; i++)
+    if (image->states[i] != image->states[0])
+      return false;
+  return true;
+}
+
+void d3d12_image_use(gpu_device *device, gpu_image *image, const gpu_range *part, D3D12_RESOURCE_STATES state) {
+  const gpu_range range = d3d12_range(image, part);
+  if (image->borrowed)
+    return;
+  if (!image->used) {
+    image->used = true;
+    image->next_used = device->used_images;
+    device->used_images = image;
+  }
+  const bool uniform = is_uniform(image, &range);
+  bool stored = false;
+  if (uniform && image->states[0] != state)
+    add_transition(device, &image->resource, D3D12_RESOURCE_BARRIER_ALL_SUBRESOURCES, image->states[0], state);
+  for (uint32_t layer = range.first_layer; layer < range.first_layer + range.layer_count; layer++)
+    for (uint32_t level = range.first_level; level < range.first_level + range.level_count; level++) {
+      const uint32_t subresource = level + layer * image->level_count;
+      D3D12_RESOURCE_STATES *last = &image->states[subresource];
+      stored |= *last == state && state == D3D12_RESOURCE_STATE_UNORDERED_ACCESS;
+      if (!uniform && *last != state)
+        add_transition(device, &image->resource, subresource, *last, state);
+      *last = state;
+    }
+  if (stored)
+    add_store_barrier(device);
+}
+
+/* ---- buffers ---- */
+
+/* Remembers that `end` must bring the buffer back to rest. */
+static void mark_used(gpu_device *device, gpu_buffer *buffer) {
+  if (buffer->used)
+    return;
+  buffer->used = true;
+  buffer->next_used = device->used_buffers;
+  device->used_buffers = buffer;
+}
+
+/* Only buffers of the device's own memory change their state. */
+static bool keeps_state(const gpu_buffer *buffer) {
+  return buffer->borrowed || buffer->kind != GPU_BUFFER_DEVICE;
+}
+
+static void buffer_use(gpu_device *device, gpu_buffer *buffer, D3D12_RESOURCE_STATES state) {
+  mark_used(device, buffer);
+  if (buffer->state != state)
+    add_transition(device, &buffer->resource, D3D12_RESOURCE_BARRIER_ALL_SUBRESOURCES, buffer->state, state);
+  buffer->state = state;
+}
+
+/*
+ * Two copies into one place get a way through another state between them, which orders them everywhere. Readback
+ * buffers never leave theirs, so there the run time may want a barrier from it to itself.
+ */
+void d3d12_buffer_use_target(gpu_device *device, gpu_buffer *buffer, uint64_t begin, uint64_t size) {
+  const uint64_t end = begin + size;
+  const bool overlaps = begin < buffer->copied_end && buffer->copied_begin < end;
+  if (overlaps && keeps_state(buffer)) {
+    if (device->traits->self_barriers)
+      add_transition(device, &buffer->resource, D3D12_RESOURCE_BARRIER_ALL_SUBRESOURCES, buffer->state, buffer->state);
+  } else if (overlaps) {
+    buffer_use(device, buffer, buffer->readable);
+  }
+  if (overlaps || buffer->state != D3D12_RESOURCE_STATE_COPY_DEST) {
+    d3d12_flush_barriers(device);
+    buffer->copied_end = 0;
+  }
+  if (!keeps_state(buffer))
+    buffer_use(device, buffer, D3D12_RESOURCE_STATE_COPY_DEST);
+  if (buffer->copied_end == 0 || begin < buffer->copied_begin)
+    buffer->copied_begin = begin;
+  if (buffer->copied_end < end)
+    buffer->copied_end = end;
+}
+
+void d3d12_buffer_use_source(gpu_device *device, gpu_buffer *buffer) {
+  if (!keeps_state(buffer))
+    buffer_use(device, buffer, D3D12_RESOURCE_STATE_COPY_SOURCE);
+}
+
+/* States in which a buffer is not readable by draws and dispatches, and is not promoted out of. */
+static bool is_apart(const gpu_buffer *buffer) {
+  return buffer->state &
+         (D3D12_RESOURCE_STATE_COPY_DEST | D3D12_RESOURCE_STATE_COPY_SOURCE | D3D12_RESOURCE_STATE_UNORDERED_ACCESS);
+}
+
+void d3d12_buffer_use_read(gpu_device *device, gpu_buffer *buffer, D3D12_RESOURCE_STATES state) {
+  if (keeps_state(buffer))
+    return;
+  if (is_apart(buffer))
+    buffer_use(device, buffer, buffer->readable);
+  mark_used(device, buffer);
+  buffer->state |= state;
+}
+
+void d3d12_buffer_use_store(gpu_device *device, gpu_buffer *buffer) {
+  if (buffer->state == D3D12_RESOURCE_STATE_UNORDERED_ACCESS)
+    add_store_barrier(device);
+  buffer_use(device, buffer, D3D12_RESOURCE_STATE_UNORDERED_ACCESS);
+}
+
+void d3d12_settle_buffers(gpu_device *device) {
+  for (gpu_buffer *buffer = device->used_buffers; buffer; buffer = buffer->next_used)
+    if (is_apart(buffer))
+      buffer_use(device, buffer, buffer->readable);
+}
+
+/* ---- both ---- */
+
+void d3d12_use_stores(gpu_device *device, const gpu_bindings *bindings) {
+  const gpu_bindings_info *info = &bindings->info;
+  for (uint32_t i = 0; i < bindings->store_image_count; i++)
+    d3d12_image_use(device, info->store_images[i]->image, &info->store_images[i]->range,
+                    D3D12_RESOURCE_STATE_UNORDERED_ACCESS);
+  for (uint32_t i = 0; i < bindings->store_buffer_count; i++)
+    d3d12_buffer_use_store(device, info->store_buffers[i].buffer);
+}
+
+void d3d12_rest(gpu_device *device) {
+  d3d12_settle_buffers(device);
+  d3d12_flush_barriers(device);
+  for (gpu_buffer *buffer = device->used_buffers; buffer; buffer = buffer->next_used) {
+    buffer_use(device, buffer, D3D12_RESOURCE_STATE_COMMON);
+    buffer->used = false;
+  }
+  for (gpu_image *image = device->used_images; image; image = image->next_used) {
+    if (image->sampled)
+      d3d12_image_use(device, image, NULL, D3D12_STATE_READABLE);
+    image->used = false;
+  }
+  device->used_buffers = NULL;
+  device->used_images = NULL;
+  d3d12_flush_barriers(device);
+}

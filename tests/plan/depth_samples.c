@@ -1,0 +1,541 @@
+/* Splits and bounds by what the camera saw, in scenes whose depths are known. */
+#include "support.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { width = 64, height = 36, tile_px = 8, columns = 8, rows = 5 };
+
+static const double sun[3] = {0.3, -1.0, 0.2};
+
+/* What a camera's buffer holds: the view depth at a pixel; negative infinity: no surface. */
+typedef double depth_field(const test_camera *camera, double x, double y);
+
+typedef struct picture {
+  test_camera camera;
+  double depths[height][width]; /* of view, where the buffer's depth leads back to */
+  float tiles[rows * columns][2];
+  plan_depth_samples samples;
+} picture;
+
+static void pixel_clip(int column, int row, double out[2]) {
+  out[0] = 2.0 * (column + 0.5) / width - 1.0;
+  out[1] = 1.0 - 2.0 * (row + 0.5) / height;
+}
+
+static void plan_camera_of(plan_camera *out, const test_camera *camera) {
+  double view[16], projection[16];
+  const char *error = "";
+  camera_matrices(camera, view, projection);
+  if (plan_camera_make(out, view, projection, camera_reversed(camera), &error))
+    fail_msg("%s", error);
+}
+
+static float buffer_depth(const test_camera *camera, double depth) {
+  double view[16], p[16];
+  camera_matrices(camera, view, p);
+  const double z = camera->left_handed ? depth : -depth;
+  return (float)((p[10] * z + p[14]) / (p[11] * z + p[15]));
+}
+
+/* Where a depth of the buffer's lies: a float at the far end of a range is off by metres. */
+static double back_from(const test_camera *camera, double buffer) {
+  double view[16], p[16];
+  camera_matrices(camera, view, p);
+  const double z = (p[14] - buffer * p[15]) / (buffer * p[11] - p[10]);
+  return camera->left_handed ? z : -z;
+}
+
+static void take(picture *out, const test_camera *camera, depth_field *field) {
+  memset(out, 0, sizeof *out);
+  out->camera = *camera;
+  for (int i = 0; i < rows * columns; ++i) {
+    out->tiles[i][0] = INFINITY;
+    out->tiles[i][1] = -INFINITY;
+  }
+  for (int row = 0; row < height; ++row)
+    for (int column = 0; column < width; ++column) {
+      double clip[2];
+      pixel_clip(column, row, clip);
+      const double seen = field(camera, clip[0], clip[1]);
+      out->depths[row][column] = -INFINITY;
+      if (!(seen >= camera->near && seen <= camera->far))
+        continue;
+      const float depth = buffer_depth(camera, seen);
+      float *tile = out->tiles[row / tile_px * columns + column / tile_px];
+      tile[0] = fminf(tile[0], depth);
+      tile[1] = fmaxf(tile[1], depth);
+      out->depths[row][column] = back_from(camera, depth);
+    }
+  plan_camera_of(&out->samples.camera, camera);
+  out->samples.width = width;
+  out->samples.height = height;
+  out->samples.tile_px = tile_px;
+  out->samples.columns = columns;
+  out->samples.rows = rows;
+  out->samples.depths = (const float(*)[2])out->tiles;
+}
+
+/* ---- scenes ---- */
+
+static double plane_depth(const test_camera *camera, double x, double y, const double normal[3], double offset) {
+  double near[3], far[3], at_near = -offset, at_far = -offset;
+  camera_point(camera, x, y, 1.0, near);
+  camera_point(camera, x, y, 2.0, far);
+  for (int k = 0; k < 3; ++k) {
+    at_near += normal[k] * near[k];
+    at_far += normal[k] * far[k];
+  }
+  const double depth = 1.0 + at_near / (at_near - at_far);
+  return depth > 0.0 ? depth : INFINITY;
+}
+
+/* A ground two metres below the origin and a wall 40 metres away, or the ground alone, up to the horizon. */
+static double ground_and_wall(const test_camera *camera, double x, double y) {
+  return fmin(plane_depth(camera, x, y, (double[]){0, 1, 0}, -2.0),
+              plane_depth(camera, x, y, (double[]){0, 0, 1}, -40.0));
+}
+
+static double ground(const test_camera *camera, double x, double y) {
+  return plane_depth(camera, x, y, (double[]){0, 1, 0}, -2.0);
+}
+
+static double nothing(const test_camera *camera, double x, double y) {
+  (void)camera, (void)x, (void)y;
+  return -INFINITY;
+}
+
+/* Something in the middle of the picture alone, ten metres away. */
+static double small_thing(const test_camera *camera, double x, double y) {
+  (void)camera;
+  return fabs(x) < 0.2 && fabs(y) < 0.2 ? 10.0 + x : -INFINITY;
+}
+
+/* A slanted surface somewhere in any camera's range. */
+static double slanted(const test_camera *camera, double x, double y) {
+  const double end = fmin(camera->far, camera->near + 1000.0);
+  return camera->near + (end - camera->near) * (0.05 + 0.02 * x + 0.01 * y);
+}
+
+/* Right at the near plane. */
+static double at_the_near_plane(const test_camera *camera, double x, double y) {
+  return camera->near * (1.0 + 1e-6) + (x > 0.0 ? 5.0 + y : 0.0);
+}
+
+/* ---- plans ---- */
+
+static plan_frame plan_with(const csm_config *config, const test_camera *camera, const picture *seen,
+                            const plan_history *before) {
+  const plan_scene empty = {0};
+  double view[16], projection[16];
+  const char *error = "";
+  plan_frame frame;
+  camera_matrices(camera, view, projection);
+  const plan_frame_info info = {.config = config,
+                                .view = view,
+                                .projection = projection,
+                                .light = sun,
+                                .scene = &empty,
+                                .before = before,
+                                .samples = seen ? &seen->samples : NULL};
+  if (plan_traced(&frame, &info, NULL, &error))
+    fail_msg("%s", error);
+  return frame;
+}
+
+static csm_config sampled_config(uint32_t distribution) {
+  csm_config config = default_config();
+  config.depth_samples = distribution;
+  config.shadow_distance = 1000.0;
+  return config;
+}
+
+static double end_of(const plan_frame *frame) {
+  return frame->cascades[frame->cascade_count - 1].info.far_depth;
+}
+
+/* A surface at a view depth lies in a slice, and there in its map, with its filter. */
+static void check_point(const csm_config *config, const plan_frame *frame, const double p[3], double depth) {
+  const double first = frame->cascades[0].info.near_depth, rounding = 1e-9 * fabs(depth);
+  if (!(depth >= first - rounding && depth <= end_of(frame) + rounding))
+    fail_msg("%.9g is not in %.9g to %.9g", depth, first, end_of(frame));
+  uint32_t c = 0;
+  while (c + 1 < frame->cascade_count && depth > frame->cascades[c].info.far_depth)
+    ++c;
+  const plan_cascade *cascade = &frame->cascades[c];
+  const double border = (double)plan_filter_radius_texels(config) / cascade->resolution;
+  double at[3];
+  transform_point(cascade->info.world_to_shadow, p, at);
+  for (int axis = 0; axis < 2; ++axis)
+    if (!(at[axis] >= border && at[axis] <= 1.0 - border))
+      fail_msg("cascade %u, depth %g: %.9g outside of its map", c, depth, at[axis]);
+}
+
+/* So does every surface of a picture before the end of shadows. */
+static void check_covered(const csm_config *config, const plan_frame *frame, const picture *now) {
+  const plan_frame unfitted = plan_with(config, &now->camera, NULL, NULL);
+  for (int row = 0; row < height; ++row)
+    for (int column = 0; column < width; ++column) {
+      const double depth = now->depths[row][column];
+      double clip[2], p[3];
+      if (!(depth > -INFINITY) || depth > end_of(&unfitted))
+        continue;
+      pixel_clip(column, row, clip);
+      camera_point(&now->camera, clip[0], clip[1], depth, p);
+      check_point(config, frame, p, depth);
+    }
+}
+
+static void assert_unfitted(const csm_config *config, const test_camera *camera, const picture *seen) {
+  const plan_frame fitted = plan_with(config, camera, seen, NULL), plain = plan_with(config, camera, NULL, NULL);
+  assert_memory_equal(fitted.cascades, plain.cascades, sizeof plain.cascades);
+  assert_false(fitted.history.has_samples);
+}
+
+static void splits_and_bounds_hold_what_is_seen(void **state) {
+  (void)state;
+  depth_field *const fields[] = {ground_and_wall, ground, small_thing};
+  for (int field = 0; field < 3; ++field)
+    for (uint32_t distribution = CSM_DEPTH_SAMPLES_SPLITS; distribution <= CSM_DEPTH_SAMPLES_BOUNDS; ++distribution)
+      for (uint32_t fit = 0; fit <= CSM_FIT_SCENE_SQUARE; ++fit) {
+        const test_camera camera = plain_camera();
+        csm_config config = sampled_config(distribution);
+        config.fit_mode = fit;
+        picture seen;
+        take(&seen, &camera, fields[field]);
+        const plan_frame frame = plan_with(&config, &camera, &seen, NULL);
+        check_covered(&config, &frame, &seen);
+        const plan_frame unfitted = plan_with(&config, &camera, NULL, NULL);
+        assert_true(frame.cascades[0].info.texel_size < unfitted.cascades[0].info.texel_size ||
+                    frame.cascades[3].info.texel_size < unfitted.cascades[3].info.texel_size);
+      }
+}
+
+/* From what is nearest to what is farthest, with the margin, and no more than a step of a quarter of an octave wider.
+ */
+static void splits_keep_to_the_margin(void **state) {
+  (void)state;
+  const test_camera camera = plain_camera();
+  const double step = exp2(0.25);
+  picture seen;
+  take(&seen, &camera, ground_and_wall);
+  double nearest = INFINITY, farthest = 0.0;
+  for (int row = 0; row < height; ++row)
+    for (int column = 0; column < width; ++column) {
+      nearest = fmin(nearest, seen.depths[row][column]);
+      farthest = fmax(farthest, seen.depths[row][column]);
+    }
+  for (int i = 0; i <= 10; ++i) {
+    csm_config config = sampled_config(CSM_DEPTH_SAMPLES_SPLITS);
+    config.depth_samples_margin = i / 20.0;
+    const plan_frame frame = plan_with(&config, &camera, &seen, NULL);
+    const double near = nearest * (1.0 - config.depth_samples_margin),
+                 end = farthest * (1.0 + config.depth_samples_margin);
+    assert_true(frame.cascades[0].info.near_depth <= near * (1.0 + 1e-6));
+    assert_true(frame.cascades[0].info.near_depth >= near / step * (1.0 - 1e-6));
+    assert_true(end_of(&frame) >= end * (1.0 - 1e-6) && end_of(&frame) <= end * step * (1.0 + 1e-6));
+  }
+}
+
+/* Cameras of all kinds, with what each of them sees at some depth. */
+static void any_camera_has_what_it_sees(void **state) {
+  (void)state;
+  random_state random = {1};
+  uint32_t fitted = 0, behind = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const test_camera camera = random_camera(&random, 10.0);
+    csm_config config = random_full_config(&random);
+    config.bias_normal_texels = 0.0;
+    config.depth_samples = CSM_DEPTH_SAMPLES_BOUNDS;
+    if (config.split_mode != CSM_SPLIT_MANUAL && i % 2)
+      config.depth_samples = CSM_DEPTH_SAMPLES_SPLITS;
+    picture seen;
+    take(&seen, &camera, slanted);
+    const plan_frame frame = plan_with(&config, &camera, &seen, NULL);
+    check_covered(&config, &frame, &seen);
+    fitted += frame.history.has_samples || frame.history.has_bounds[0];
+    behind += camera.orthographic && seen.depths[height / 2][width / 2] < 0.0;
+  }
+  assert_true(fitted > 2000 && behind > 50);
+}
+
+static void what_lies_past_the_ends_is_left_out(void **state) {
+  (void)state;
+  const test_camera camera = plain_camera();
+  csm_config config = sampled_config(CSM_DEPTH_SAMPLES_BOUNDS);
+  picture seen;
+  take(&seen, &camera, ground); /* up to 1000 m */
+  config.shadow_distance = 50.0;
+  plan_frame frame = plan_with(&config, &camera, &seen, NULL);
+  assert_true(end_of(&frame) == 50.0);
+  check_covered(&config, &frame, &seen);
+
+  config.shadow_distance = 1.0; /* before all that is seen */
+  frame = plan_with(&config, &camera, &seen, NULL);
+  assert_true(end_of(&frame) == 1.0 && frame.cascades[0].info.near_depth == frame.camera.near_depth);
+
+  take(&seen, &camera, at_the_near_plane);
+  config.shadow_distance = 1000.0;
+  frame = plan_with(&config, &camera, &seen, NULL);
+  assert_true(frame.cascades[0].info.near_depth == frame.camera.near_depth);
+  assert_true(end_of(&frame) < 10.0);
+  check_covered(&config, &frame, &seen);
+}
+
+static void where_nothing_was_seen_nothing_is_fitted(void **state) {
+  (void)state;
+  const test_camera camera = plain_camera();
+  picture seen;
+  take(&seen, &camera, nothing);
+  for (uint32_t distribution = CSM_DEPTH_SAMPLES_OFF; distribution <= CSM_DEPTH_SAMPLES_BOUNDS; ++distribution) {
+    const csm_config config = sampled_config(distribution);
+    assert_unfitted(&config, &camera, &seen);
+    picture none = seen;
+    none.samples.columns = none.samples.rows = 0;
+    assert_unfitted(&config, &camera, &none);
+  }
+  take(&seen, &camera, ground_and_wall);
+  const csm_config off = sampled_config(CSM_DEPTH_SAMPLES_OFF);
+  assert_unfitted(&off, &camera, &seen);
+}
+
+static void a_cut_is_not_fitted(void **state) {
+  (void)state;
+  const test_camera camera = plain_camera();
+  picture seen;
+  take(&seen, &camera, ground_and_wall);
+  for (uint32_t distribution = CSM_DEPTH_SAMPLES_SPLITS; distribution <= CSM_DEPTH_SAMPLES_BOUNDS; ++distribution) {
+    const csm_config config = sampled_config(distribution);
+    test_camera cut = camera;
+    assert_true(plan_with(&config, &cut, &seen, NULL).history.has_samples);
+    camera_look(&cut, (double[]){1.0, 0.0, 0.0}, 0.0); /* to the side */
+    assert_unfitted(&config, &cut, &seen);
+    camera_look(&cut, (double[]){0.0, 0.0, 1.0}, 0.0); /* back */
+    assert_unfitted(&config, &cut, &seen);
+    cut = camera;
+    for (int k = 0; k < 3; ++k) { /* to the ground, which turns no side */
+      cut.forward[k] = (double[]){0.0, -0.8, -0.6}[k];
+      cut.up[k] = (double[]){0.0, 0.6, -0.8}[k];
+    }
+    assert_unfitted(&config, &cut, &seen);
+    cut = camera;
+    for (int k = 0; k < 3; ++k) { /* on its head */
+      cut.right[k] = -cut.right[k];
+      cut.up[k] = -cut.up[k];
+    }
+    assert_unfitted(&config, &cut, &seen);
+    cut = camera;
+    cut.eye[0] = 30.0; /* far away */
+    assert_unfitted(&config, &cut, &seen);
+    cut = camera;
+    cut.half_width /= 2.0; /* through a telephoto lens */
+    cut.half_height /= 2.0;
+    assert_unfitted(&config, &cut, &seen);
+    cut = camera;
+    cut.orthographic = true;
+    assert_unfitted(&config, &cut, &seen);
+    cut = camera;
+    cut.reversed = true; /* which is no cut: it sees the same */
+    assert_true(plan_with(&config, &cut, &seen, NULL).history.has_samples);
+  }
+}
+
+/* ---- from frame to frame ---- */
+
+static void yaw(double out[3], const double v[3], double angle) {
+  out[0] = v[0] * cos(angle) - v[2] * sin(angle);
+  out[1] = v[1];
+  out[2] = v[2] * cos(angle) + v[0] * sin(angle);
+}
+
+static void sway(test_camera *camera, const test_camera *base, double by) {
+  *camera = *base;
+  camera->eye[0] += 0.02 * by;
+  camera->eye[1] += 0.01 * by;
+  camera->eye[2] += 0.03 * by;
+  yaw(camera->right, base->right, 0.002 * by);
+  yaw(camera->up, base->up, 0.002 * by);
+  yaw(camera->forward, base->forward, 0.002 * by);
+}
+
+static test_camera standing_somewhere(random_state *random) {
+  const test_camera plain = plain_camera();
+  const double pitch = random_between(random, -0.6, 0.2), angle = random_between(random, -0.5, 0.5);
+  test_camera camera = plain;
+  yaw(camera.right, plain.right, angle);
+  yaw(camera.up, (double[]){0.0, cos(pitch), sin(pitch)}, angle);
+  yaw(camera.forward, (double[]){0.0, sin(pitch), -cos(pitch)}, angle);
+  for (int axis = 0; axis < 3; ++axis)
+    camera.eye[axis] = random_between(random, -1.0, 1.0);
+  return camera;
+}
+
+/* Samples are a frame old; what is seen by then is held by the margin. */
+static void a_moving_camera_has_what_it_sees_now(void **state) {
+  (void)state;
+  random_state random = {2};
+  for (int i = 0; i < 300; ++i) {
+    const csm_config config = sampled_config(i % 2 ? CSM_DEPTH_SAMPLES_SPLITS : CSM_DEPTH_SAMPLES_BOUNDS);
+    const test_camera base = standing_somewhere(&random);
+    plan_history history = {0};
+    for (int step = 0; step < 6; ++step) {
+      test_camera camera;
+      picture seen, now;
+      sway(&camera, &base, step - 1);
+      take(&seen, &camera, ground_and_wall);
+      sway(&camera, &base, step);
+      take(&now, &camera, ground_and_wall);
+      const plan_frame frame = plan_with(&config, &camera, &seen, &history);
+      assert_true(frame.history.has_samples);
+      check_covered(&config, &frame, &now);
+      history = frame.history;
+    }
+  }
+}
+
+/* Looking around: at each frame a strip comes into the picture that nothing is known of, a tenth of it at most, at the
+ * same depths. */
+static void the_margin_holds_what_comes_into_the_picture(void **state) {
+  (void)state;
+  random_state random = {4};
+  csm_config config = sampled_config(CSM_DEPTH_SAMPLES_BOUNDS);
+  config.split_mode = CSM_SPLIT_MANUAL; /* whatever depth it has */
+  for (int c = 0; c < 4; ++c)
+    config.split_distances[c] = (double[]){5.0, 15.0, 50.0, 1000.0}[c];
+  for (int i = 0; i < 200; ++i) {
+    const test_camera plain = plain_camera();
+    test_camera base = plain;
+    const double around = random_between(&random, 0.0, 2.0 * M_PI); /* so that the light comes from any side */
+    yaw(base.right, plain.right, around);
+    yaw(base.forward, plain.forward, around);
+    for (int axis = 0; axis < 3; ++axis)
+      base.eye[axis] = random_between(&random, -1.0, 1.0);
+    for (int side = -1; side <= 1; side += 2) {
+      test_camera turned = base;
+      picture seen, now;
+      yaw(turned.right, base.right, side * 0.09);
+      yaw(turned.up, base.up, side * 0.09);
+      yaw(turned.forward, base.forward, side * 0.09);
+      take(&seen, &base, ground);
+      take(&now, &turned, ground);
+      const plan_frame frame = plan_with(&config, &turned, &seen, NULL);
+      assert_true(frame.history.has_bounds[2] || frame.history.has_bounds[3]);
+      check_covered(&config, &frame, &now);
+    }
+  }
+}
+
+/* Far moves, up to what counts as a cut: every surface that was seen then lies in a slice and its map, if it is seen
+ * now. */
+static void what_was_seen_is_found_again_after_a_move(void **state) {
+  (void)state;
+  random_state random = {5};
+  uint32_t found = 0;
+  for (int i = 0; i < 600; ++i) {
+    csm_config config = sampled_config(CSM_DEPTH_SAMPLES_BOUNDS);
+    config.depth_samples_margin = 0.15;
+    const test_camera base = standing_somewhere(&random);
+    test_camera moved = base;
+    const double angle = random_between(&random, -0.2, 0.2);
+    yaw(moved.right, base.right, angle);
+    yaw(moved.up, base.up, angle);
+    yaw(moved.forward, base.forward, angle);
+    for (int axis = 0; axis < 3; axis += 2)
+      moved.eye[axis] += random_between(&random, -4.0, 4.0);
+    picture seen;
+    take(&seen, &base, ground_and_wall);
+    const plan_frame frame = plan_with(&config, &moved, &seen, NULL);
+    if (!frame.history.has_samples)
+      continue;
+    for (int row = 0; row < height; ++row)
+      for (int column = 0; column < width; ++column) {
+        double clip[2], p[3], depth = 0.0, across = 0.0, above = 0.0;
+        if (!(seen.depths[row][column] > -INFINITY))
+          continue;
+        pixel_clip(column, row, clip);
+        camera_point(&base, clip[0], clip[1], seen.depths[row][column], p);
+        for (int k = 0; k < 3; ++k) {
+          depth += moved.forward[k] * (p[k] - moved.eye[k]);
+          across += moved.right[k] * (p[k] - moved.eye[k]);
+          above += moved.up[k] * (p[k] - moved.eye[k]);
+        }
+        if (depth > moved.near && fabs(across) < depth * moved.half_width && fabs(above) < depth * moved.half_height) {
+          check_point(&config, &frame, p, depth);
+          ++found;
+        }
+      }
+  }
+  assert_true(found > 100000);
+}
+
+static void sizes_stay_while_a_camera_sways(void **state) {
+  (void)state;
+  random_state random = {3};
+  /* By then both ends of the way have been seen, and what was too wide at first has let go. */
+  const int settled = 20;
+  uint32_t needed = 0;
+  for (int i = 0; i < 300; ++i) {
+    const csm_config config = sampled_config(i % 2 ? CSM_DEPTH_SAMPLES_SPLITS : CSM_DEPTH_SAMPLES_BOUNDS);
+    const test_camera base = standing_somewhere(&random);
+    plan_history history = {0};
+    plan_frame last = {0}, alone = {0};
+    for (int step = 0; step < 60; ++step) {
+      test_camera camera;
+      picture seen;
+      sway(&camera, &base, step % 2 ? 1.0 : -1.0);
+      take(&seen, &camera, ground_and_wall);
+      const plan_frame frame = plan_with(&config, &camera, &seen, &history);
+      const plan_frame without = plan_with(&config, &camera, &seen, NULL);
+      for (uint32_t c = 0; c < frame.cascade_count; ++c) {
+        if (step > settled)
+          assert_true(frame.cascades[c].texel[0] == last.cascades[c].texel[0] &&
+                      frame.cascades[c].texel[1] == last.cascades[c].texel[1] &&
+                      frame.cascades[c].info.far_depth == last.cascades[c].info.far_depth);
+        needed += step > settled && without.cascades[c].texel[0] != alone.cascades[c].texel[0];
+      }
+      last = frame;
+      alone = without;
+      history = frame.history;
+    }
+  }
+  assert_true(needed > 50); /* what would have changed without the frame before */
+}
+
+/* What grows is held at once; what has been too wide for some frames lets go. */
+static void sizes_follow_what_is_seen(void **state) {
+  (void)state;
+  const csm_config config = sampled_config(CSM_DEPTH_SAMPLES_SPLITS);
+  const test_camera camera = plain_camera();
+  picture wall, horizon;
+  take(&wall, &camera, ground_and_wall);
+  take(&horizon, &camera, ground);
+  const plan_frame first = plan_with(&config, &camera, &wall, NULL);
+  assert_true(end_of(&first) < 60.0);
+  const plan_frame grown = plan_with(&config, &camera, &horizon, &first.history);
+  check_covered(&config, &grown, &horizon);
+  plan_history history = grown.history;
+  for (int step = 0; step < 15; ++step) {
+    const plan_frame held = plan_with(&config, &camera, &wall, &history);
+    assert_true(end_of(&held) == end_of(&grown));
+    history = held.history;
+  }
+  const plan_frame shrunk = plan_with(&config, &camera, &wall, &history);
+  assert_true(end_of(&shrunk) == end_of(&first));
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(splits_and_bounds_hold_what_is_seen),
+      cmocka_unit_test(splits_keep_to_the_margin),
+      cmocka_unit_test(any_camera_has_what_it_sees),
+      cmocka_unit_test(what_lies_past_the_ends_is_left_out),
+      cmocka_unit_test(where_nothing_was_seen_nothing_is_fitted),
+      cmocka_unit_test(a_cut_is_not_fitted),
+      cmocka_unit_test(a_moving_camera_has_what_it_sees_now),
+      cmocka_unit_test(the_margin_holds_what_comes_into_the_picture),
+      cmocka_unit_test(what_was_seen_is_found_again_after_a_move),
+      cmocka_unit_test(sizes_stay_while_a_camera_sways),
+      cmocka_unit_test(sizes_follow_what_is_seen),
+  };
+  return cmocka_run_group_tests_name("plan-depth-samples", tests, NULL, NULL);
+}
