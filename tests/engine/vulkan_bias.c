@@ -1,6 +1,6 @@
 /* vulkan_bias.c LIBRARY: the rasterizer's bias is clamped on an engine's device only where the engine says that it
    may be. */
-#include "../gpu_host.h"
+#include "../tools/gpu_host.h"
 #include "gpu.h"
 #include "shader_code.h"
 #include "vulkan_engine.h"

@@ -1,9 +1,9 @@
 /* truth_test.c: the truth against closed forms, and against brute force in doubles. */
 #include "support.h"
-#include "linear.h"
-#include "truth_geometry.h"
-#include "truth_store.h"
-#include "truth_sun.h"
+#include "base/linear.h"
+#include "truth/geometry.h"
+#include "truth/store.h"
+#include "truth/sun_disc.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
