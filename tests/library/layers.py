@@ -63,8 +63,12 @@ def layer_of(path):
 
 
 def resolve(root, source, name):
-    """The project's file that an include means, from the project's root, or None for one from outside."""
-    for folder in (source.parent, *(root / folder for folder in SEARCHED)):
+    """
+    The project's file that an include means, from the project's root, or None for one from outside. Names that two
+    folders have mean the one of the same part of the project, as for the compiler.
+    """
+    own = source.relative_to(root).parts[0]
+    for folder in (source.parent, *(root / folder for folder in (own, *SEARCHED))):
         found = (folder / name).resolve()
         if found.is_file() and found.is_relative_to(root):
             return found.relative_to(root).as_posix()
