@@ -1,5 +1,6 @@
 #include "techniques/draw_list.h"
 
+#include "device/alpha_images.h"
 #include "shader_code.h"
 
 enum { row_bytes = 4 * sizeof(float) };

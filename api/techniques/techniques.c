@@ -13,7 +13,7 @@ enum {
   OF_CASCADES = sizeof of_cascades / sizeof of_cascades[0],
   OF_VIEWS = sizeof of_views / sizeof of_views[0],
 };
-_Static_assert(OF_CASCADES <= TECHNIQUE_MAX && OF_VIEWS <= TECHNIQUE_MAX, "TECHNIQUE_MAX");
+_Static_assert((int)OF_CASCADES <= (int)TECHNIQUE_MAX && (int)OF_VIEWS <= (int)TECHNIQUE_MAX, "TECHNIQUE_MAX");
 
 /* ---- owners ---- */
 

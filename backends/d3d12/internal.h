@@ -73,7 +73,8 @@ struct gpu_image {
   ID3D12DescriptorHeap *clear_heap; /* depth: a view of all layers for each level */
   bool used;
   gpu_image *next_used;
-  D3D12_RESOURCE_STATES states[]; /* of each subresource: level + layer * level_count */
+  D3D12_RESOURCE_STATES *before;  /* each subresource's state before the current recording; valid if used */
+  D3D12_RESOURCE_STATES states[]; /* and now: level + layer * level_count */
 };
 
 struct gpu_view {
@@ -293,8 +294,10 @@ void d3d12_buffer_use_store(gpu_device *device, gpu_buffer *buffer);
 void d3d12_use_stores(gpu_device *device, const gpu_bindings *bindings);
 /* Makes every buffer readable that this recording has written. */
 void d3d12_settle_buffers(gpu_device *device);
-/* Brings all that the recording used back to the states that it rests in. */
+/* Brings all that the recording used to the states that it rests in. */
 void d3d12_rest(gpu_device *device);
+/* `recorded` false: the recording's barriers will not take place. */
+void d3d12_release_used(gpu_device *device, bool recorded);
 
 /* ---- record.c: outside passes ---- */
 void d3d12_marker_begin(gpu_device *device, const char *name);

@@ -100,7 +100,8 @@ static D3D12_RESOURCE_FLAGS image_flags(const gpu_image_info *info) {
 csm_result d3d12_image_create(gpu_device *device, const gpu_image_info *info, gpu_image **out) {
   *out = NULL;
   const uint32_t levels = info->levels ? info->levels : 1;
-  gpu_image *image = d3d12_allocate(device, sizeof *image + (size_t)info->layers * levels * sizeof *image->states);
+  const size_t count = (size_t)info->layers * levels;
+  gpu_image *image = d3d12_allocate(device, sizeof *image + 2 * count * sizeof *image->states);
   if (!image)
     return CSM_ERROR_OUT_OF_MEMORY;
   image->format = info->format;
@@ -111,6 +112,7 @@ csm_result d3d12_image_create(gpu_device *device, const gpu_image_info *info, gp
   image->height = info->height;
   image->layer_count = info->layers;
   image->level_count = levels;
+  image->before = image->states + count;
 
   const D3D12_RESOURCE_DESC description = {.Dimension = D3D12_RESOURCE_DIMENSION_TEXTURE2D,
                                            .Width = info->width,

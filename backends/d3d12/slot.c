@@ -109,7 +109,9 @@ static void resolve_timestamps(gpu_device *device) {
 csm_result d3d12_end(gpu_device *device) {
   d3d12_rest(device);
   resolve_timestamps(device);
-  return device->own ? list_submit(device) : CSM_SUCCESS;
+  const csm_result result = device->own ? list_submit(device) : CSM_SUCCESS;
+  d3d12_release_used(device, result == CSM_SUCCESS);
+  return result;
 }
 
 /* ---- timestamps ---- */

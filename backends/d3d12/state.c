@@ -7,6 +7,8 @@
  */
 #include "internal.h"
 
+#include <string.h>
+
 void d3d12_flush_barriers(gpu_device *device) {
   if (device->barrier_count)
     ID3D12GraphicsCommandList_ResourceBarrier(device->list, device->barrier_count, device->barriers);
@@ -55,6 +57,7 @@ void d3d12_image_use(gpu_device *device, gpu_image *image, const gpu_range *part
     image->used = true;
     image->next_used = device->used_images;
     device->used_images = image;
+    memcpy(image->before, image->states, image->layer_count * image->level_count * sizeof *image->states);
   }
   const bool uniform = is_uniform(image, &range);
   bool stored = false;
@@ -167,16 +170,23 @@ void d3d12_use_stores(gpu_device *device, const gpu_bindings *bindings) {
 void d3d12_rest(gpu_device *device) {
   d3d12_settle_buffers(device);
   d3d12_flush_barriers(device);
-  for (gpu_buffer *buffer = device->used_buffers; buffer; buffer = buffer->next_used) {
+  for (gpu_buffer *buffer = device->used_buffers; buffer; buffer = buffer->next_used)
     buffer_use(device, buffer, D3D12_RESOURCE_STATE_COMMON);
-    buffer->used = false;
-  }
-  for (gpu_image *image = device->used_images; image; image = image->next_used) {
+  for (gpu_image *image = device->used_images; image; image = image->next_used)
     if (image->sampled)
       d3d12_image_use(device, image, NULL, D3D12_STATE_READABLE);
+  d3d12_flush_barriers(device);
+}
+
+/* Buffers rest where they began. */
+void d3d12_release_used(gpu_device *device, bool recorded) {
+  for (gpu_buffer *buffer = device->used_buffers; buffer; buffer = buffer->next_used)
+    buffer->used = false;
+  for (gpu_image *image = device->used_images; image; image = image->next_used) {
+    if (!recorded)
+      memcpy(image->states, image->before, image->layer_count * image->level_count * sizeof *image->states);
     image->used = false;
   }
   device->used_buffers = NULL;
   device->used_images = NULL;
-  d3d12_flush_barriers(device);
 }

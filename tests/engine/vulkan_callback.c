@@ -21,6 +21,7 @@ typedef struct caster {
 
 /* ---- the engine's pipeline ---- */
 
+/* With dynamic rendering where there is no render pass. */
 static void pipeline_create(caster *it, VkRenderPass pass) {
   const VkDevice device = it->c->engine->device;
   const VkPushConstantRange range = {.stageFlags = VK_SHADER_STAGE_VERTEX_BIT, .size = 16 * sizeof(float)};
@@ -62,7 +63,10 @@ static void pipeline_create(caster *it, VkRenderPass pass) {
   const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
   const VkPipelineDynamicStateCreateInfo dynamic = {
       .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO, .dynamicStateCount = 2, .pDynamicStates = states};
+  const VkPipelineRenderingCreateInfo rendering = {.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
+                                                   .depthAttachmentFormat = VK_FORMAT_D32_SFLOAT};
   const VkGraphicsPipelineCreateInfo create = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+                                               .pNext = pass ? NULL : &rendering,
                                                .stageCount = 1,
                                                .pStages = &stage,
                                                .pVertexInputState = &input,
@@ -155,7 +159,7 @@ static void check_calls(const caster *it) {
     assert_int_equal(info->resolution, step.resolution);
     assert_int_equal(info->depth_format, VK_FORMAT_D32_SFLOAT);
     assert_ptr_equal(info->command_buffer, engine->frames[engine->frame % VULKAN_ENGINE_FRAMES].commands);
-    assert_true(info->render_pass != 0);
+    assert_int_equal(info->render_pass == 0, engine->native.dynamic_rendering);
     assert_true(info->depth_view == 0);
     check_volume(info, &binding.cascades[i]);
   }
@@ -183,13 +187,12 @@ static uint32_t texels_apart(const case_image *a, const case_image *b, double to
 }
 
 /* The last box of the scene is drawn by csm, by nobody, and by the engine: the same maps but for its rounding. */
-static void own_casters_are_drawn(void **state) {
-  (void)state;
+static void own_casters_are_drawn(vulkan_engine_kind kind) {
   static case_image by_csm, by_nobody, by_engine;
   const uint32_t last = 3; /* a plate high above the ground, so that it matters to every map */
   vulkan_engine engine;
   vulkan_case c;
-  vulkan_engine_open(&engine, VULKAN_ENGINE_TYPICAL);
+  vulkan_engine_open(&engine, kind);
   case_open(&c, &engine);
   caster it = {.c = &c};
   const csm_instance moved = c.scene.instances[last];
@@ -213,7 +216,18 @@ static void own_casters_are_drawn(void **state) {
   vulkan_engine_close(&engine);
 }
 
+static void own_casters_are_drawn_in_render_passes(void **state) {
+  (void)state;
+  own_casters_are_drawn(VULKAN_ENGINE_TYPICAL);
+}
+
+static void own_casters_are_drawn_by_dynamic_rendering(void **state) {
+  (void)state;
+  own_casters_are_drawn(VULKAN_ENGINE_MODERN);
+}
+
 int main(int argc, char **argv) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(own_casters_are_drawn)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(own_casters_are_drawn_in_render_passes),
+                                     cmocka_unit_test(own_casters_are_drawn_by_dynamic_rendering)};
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
 }

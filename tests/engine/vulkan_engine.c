@@ -36,6 +36,17 @@ static bool has_validation(void) {
   return false;
 }
 
+static uint32_t version_of(vulkan_engine_kind kind) {
+  switch (kind) {
+  case VULKAN_ENGINE_TYPICAL:
+    return VK_API_VERSION_1_2;
+  case VULKAN_ENGINE_MODERN:
+    return VK_API_VERSION_1_3;
+  default:
+    return VK_API_VERSION_1_1;
+  }
+}
+
 static void open_instance(vulkan_engine *engine, vulkan_engine_kind kind) {
   const bool validation = has_validation();
   const VkDebugReportCallbackCreateInfoEXT report = {.sType = VK_STRUCTURE_TYPE_DEBUG_REPORT_CALLBACK_CREATE_INFO_EXT,
@@ -48,10 +59,8 @@ static void open_instance(vulkan_engine *engine, vulkan_engine_kind kind) {
                                             .pNext = &report,
                                             .enabledValidationFeatureCount = 1,
                                             .pEnabledValidationFeatures = enabled};
-  const VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
-                                         .pApplicationName = "an engine",
-                                         .apiVersion =
-                                             kind == VULKAN_ENGINE_TYPICAL ? VK_API_VERSION_1_2 : VK_API_VERSION_1_1};
+  const VkApplicationInfo application = {
+      .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .pApplicationName = "an engine", .apiVersion = version_of(kind)};
   const char *const layers[] = {VALIDATION};
   const char *extensions[2];
   uint32_t count = 0;
@@ -97,13 +106,94 @@ static void open_device(vulkan_engine *engine, vulkan_engine_kind kind) {
                                          .queueFamilyIndex = engine->family,
                                          .queueCount = 1,
                                          .pQueuePriorities = &priority};
+  const VkPhysicalDeviceVulkan13Features rendering = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES,
+                                                      .dynamicRendering = VK_TRUE};
   const VkDeviceCreateInfo create = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                     .pNext = kind == VULKAN_ENGINE_MODERN ? &rendering : NULL,
                                      .queueCreateInfoCount = 1,
                                      .pQueueCreateInfos = &queue,
                                      .pEnabledFeatures = &engine->features};
   must(vkCreateDevice(engine->physical, &create, NULL, &engine->device), "vkCreateDevice");
   vkGetDeviceQueue(engine->device, engine->family, 0, &engine->queue);
   vkGetPhysicalDeviceMemoryProperties(engine->physical, &engine->memory);
+}
+
+/* ---- what a modern engine lends ---- */
+
+static uint32_t cached, uncached;
+
+uint32_t vulkan_engine_cached(void) {
+  return __atomic_load_n(&cached, __ATOMIC_RELAXED);
+}
+
+uint32_t vulkan_engine_uncached(void) {
+  return __atomic_load_n(&uncached, __ATOMIC_RELAXED);
+}
+
+static VKAPI_ATTR VkResult VKAPI_CALL create_pipelines(VkDevice device, VkPipelineCache cache, uint32_t count,
+                                                       const VkGraphicsPipelineCreateInfo *infos,
+                                                       const VkAllocationCallbacks *allocator, VkPipeline *out) {
+  __atomic_fetch_add(cache ? &cached : &uncached, count, __ATOMIC_RELAXED);
+  return vkCreateGraphicsPipelines(device, cache, count, infos, allocator, out);
+}
+
+static PFN_vkVoidFunction VKAPI_CALL device_function(VkDevice device, const char *name) {
+  return strcmp(name, "vkCreateGraphicsPipelines") ? vkGetDeviceProcAddr(device, name)
+                                                   : (PFN_vkVoidFunction)create_pipelines;
+}
+
+static PFN_vkVoidFunction VKAPI_CALL instance_function(VkInstance instance, const char *name) {
+  return strcmp(name, "vkGetDeviceProcAddr") ? vkGetInstanceProcAddr(instance, name)
+                                             : (PFN_vkVoidFunction)device_function;
+}
+
+static uint32_t find_type(const vulkan_engine *engine, uint32_t allowed, VkMemoryPropertyFlags flags) {
+  uint32_t type = 0;
+  while (type < engine->memory.memoryTypeCount &&
+         (!(allowed >> type & 1) || (engine->memory.memoryTypes[type].propertyFlags & flags) != flags))
+    ++type;
+  return type < engine->memory.memoryTypeCount ? type : UINT32_MAX;
+}
+
+/* Each piece begins somewhere in its allocation, as it does with an allocator that shares. */
+static VkResult CSM_CALL lend_memory(void *user, const csm_vulkan_memory_request *request, csm_vulkan_memory *out) {
+  vulkan_engine *engine = user;
+  uint32_t type = find_type(engine, request->memory_type_bits, request->required | request->preferred);
+  if (type == UINT32_MAX)
+    type = find_type(engine, request->memory_type_bits, request->required);
+  if (type == UINT32_MAX || request->struct_size != sizeof *request || !request->image == !request->buffer)
+    return VK_ERROR_UNKNOWN;
+  const VkMemoryAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+                                     .allocationSize = request->alignment + request->size,
+                                     .memoryTypeIndex = type};
+  VkResult result = vkAllocateMemory(engine->device, &info, NULL, &out->memory);
+  void *mapped = NULL;
+  if (result == VK_SUCCESS && (request->required & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT))
+    result = vkMapMemory(engine->device, out->memory, 0, VK_WHOLE_SIZE, 0, &mapped);
+  out->offset = request->alignment;
+  out->mapped = mapped ? (char *)mapped + out->offset : NULL;
+  out->handle = engine;
+  if (++engine->pieces > engine->most_pieces)
+    engine->most_pieces = engine->pieces;
+  return result;
+}
+
+static void CSM_CALL take_memory_back(void *user, const csm_vulkan_memory *memory) {
+  vulkan_engine *engine = user;
+  must(memory->handle == engine ? VK_SUCCESS : VK_ERROR_UNKNOWN, "the engine's own handle");
+  vkFreeMemory(engine->device, memory->memory, NULL);
+  --engine->pieces;
+}
+
+static void lend(vulkan_engine *engine) {
+  const VkPipelineCacheCreateInfo create = {.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
+  must(vkCreatePipelineCache(engine->device, &create, NULL, &engine->cache), "vkCreatePipelineCache");
+  engine->native.get_instance_proc_addr = instance_function;
+  engine->native.pipeline_cache = engine->cache;
+  engine->native.dynamic_rendering = 1;
+  engine->native.allocate_memory = lend_memory;
+  engine->native.free_memory = take_memory_back;
+  engine->native.memory_user = engine;
 }
 
 void vulkan_engine_open(vulkan_engine *engine, vulkan_engine_kind kind) {
@@ -122,15 +212,16 @@ void vulkan_engine_open(vulkan_engine *engine, vulkan_engine_kind kind) {
     const VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
     must(vkCreateFence(engine->device, &fence, NULL, &engine->frames[i].fence), "vkCreateFence");
   }
-  engine->native =
-      (csm_vulkan_device){.struct_size = sizeof engine->native,
-                          .api_version = kind == VULKAN_ENGINE_TYPICAL ? VK_API_VERSION_1_2 : VK_API_VERSION_1_1,
-                          .instance = engine->instance,
-                          .physical_device = engine->physical,
-                          .device = engine->device,
-                          .queue_family = engine->family,
-                          .get_instance_proc_addr = vkGetInstanceProcAddr,
-                          .features = &engine->features};
+  engine->native = (csm_vulkan_device){.struct_size = sizeof engine->native,
+                                       .api_version = version_of(kind),
+                                       .instance = engine->instance,
+                                       .physical_device = engine->physical,
+                                       .device = engine->device,
+                                       .queue_family = engine->family,
+                                       .get_instance_proc_addr = vkGetInstanceProcAddr,
+                                       .features = &engine->features};
+  if (kind == VULKAN_ENGINE_MODERN)
+    lend(engine);
 }
 
 void vulkan_engine_close(vulkan_engine *engine) {
@@ -139,6 +230,7 @@ void vulkan_engine_close(vulkan_engine *engine) {
     vkDestroyFence(engine->device, engine->frames[i].fence, NULL);
     vkDestroyCommandPool(engine->device, engine->frames[i].pool, NULL);
   }
+  vkDestroyPipelineCache(engine->device, engine->cache, NULL);
   vkDestroyDevice(engine->device, NULL);
   if (engine->reporter)
     ((PFN_vkDestroyDebugReportCallbackEXT)vkGetInstanceProcAddr(engine->instance, "vkDestroyDebugReportCallbackEXT"))(
@@ -178,12 +270,9 @@ void vulkan_engine_run(vulkan_engine *engine, uint64_t frame) {
 /* ---- buffers and images ---- */
 
 static VkDeviceMemory allocate(vulkan_engine *engine, const VkMemoryRequirements *needs, VkMemoryPropertyFlags flags) {
-  uint32_t type = 0;
-  while (type < engine->memory.memoryTypeCount &&
-         (!(needs->memoryTypeBits >> type & 1) || (engine->memory.memoryTypes[type].propertyFlags & flags) != flags))
-    ++type;
-  const VkMemoryAllocateInfo info = {
-      .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = needs->size, .memoryTypeIndex = type};
+  const VkMemoryAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+                                     .allocationSize = needs->size,
+                                     .memoryTypeIndex = find_type(engine, needs->memoryTypeBits, flags)};
   VkDeviceMemory memory;
   must(vkAllocateMemory(engine->device, &info, NULL, &memory), "vkAllocateMemory");
   return memory;

@@ -13,6 +13,7 @@
 typedef enum vulkan_engine_kind {
   VULKAN_ENGINE_TYPICAL, /* as Godot 4.6 opens one: 1.2 without any of its features, depthBiasClamp, debug utils */
   VULKAN_ENGINE_BARE,    /* 1.1, depthClamp, and nothing else */
+  VULKAN_ENGINE_MODERN,  /* 1.3 with dynamic rendering, a pipeline cache, and an allocator of its own */
   VULKAN_ENGINE_CLIPPING /* 1.1 without depthClamp: csm cannot use it */
 } vulkan_engine_kind;
 
@@ -27,6 +28,8 @@ typedef struct vulkan_engine {
   VkPhysicalDeviceMemoryProperties memory;
   VkPhysicalDeviceFeatures features; /* enabled */
   csm_vulkan_device native;          /* what csm gets */
+  VkPipelineCache cache;             /* of a modern engine, as are these: */
+  uint32_t pieces, most_pieces;      /* of memory that csm has now, and had at most */
 
   VkDebugReportCallbackEXT reporter;
   uint32_t messages; /* errors and warnings of validation, which are printed; with its synchronization checks */
@@ -40,6 +43,10 @@ typedef struct vulkan_engine {
   uint64_t frame; /* the last that was begun, from 1 */
   uint64_t done;  /* the last that the GPU is done with */
 } vulkan_engine;
+
+/* Pipelines that a modern engine's device made without its cache, and with it, since the program began. */
+uint32_t vulkan_engine_uncached(void);
+uint32_t vulkan_engine_cached(void);
 
 void vulkan_engine_open(vulkan_engine *engine, vulkan_engine_kind kind);
 void vulkan_engine_close(vulkan_engine *engine);

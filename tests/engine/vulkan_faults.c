@@ -118,9 +118,13 @@ static VKAPI_ATTR VkResult VKAPI_CALL create_device(VkPhysicalDevice physical, c
   *out = POISON;
   if (fails("vkCreateDevice", &result))
     return result;
+  const char *extensions[8];
   VkDeviceCreateInfo known = *info;
-  if (faults.tells_budget)
-    known.enabledExtensionCount = 0;
+  known.ppEnabledExtensionNames = extensions;
+  known.enabledExtensionCount = 0;
+  for (uint32_t i = 0; i < info->enabledExtensionCount; ++i)
+    if (!faults.tells_budget || strcmp(info->ppEnabledExtensionNames[i], VK_EXT_MEMORY_BUDGET_EXTENSION_NAME))
+      extensions[known.enabledExtensionCount++] = info->ppEnabledExtensionNames[i];
   result = vkCreateDevice(physical, &known, allocator, out);
   live[live_Device] += result == VK_SUCCESS;
   return result;

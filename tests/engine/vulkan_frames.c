@@ -59,6 +59,8 @@ static void draws_as_an_own_device(vulkan_engine_kind kind) {
   for (int i = 0; i < steps_count; ++i)
     case_compare(&images.drawn[i], &images.expected[i], &steps[i]);
   case_close(&c);
+  assert_int_equal(engine.pieces, 0);
+  assert_int_equal(engine.most_pieces > 0, kind == VULKAN_ENGINE_MODERN);
   vulkan_engine_close(&engine);
 }
 
@@ -70,6 +72,13 @@ static void frames_wait_on_a_typical_device(void **state) {
 static void frames_wait_on_a_bare_device(void **state) {
   (void)state;
   draws_as_an_own_device(VULKAN_ENGINE_BARE);
+}
+
+static void frames_wait_on_a_modern_device(void **state) {
+  (void)state;
+  draws_as_an_own_device(VULKAN_ENGINE_MODERN);
+  assert_true(vulkan_engine_cached() > 0);
+  assert_int_equal(vulkan_engine_uncached(), 0);
 }
 
 /* Everything that a frame uses may go before it runs; it goes when the frame is retired. */
@@ -185,8 +194,8 @@ static void contexts_on_two_threads(void **state) {
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(frames_wait_on_a_typical_device), cmocka_unit_test(frames_wait_on_a_bare_device),
-      cmocka_unit_test(destruction_waits_for_the_frame), cmocka_unit_test(cascades_share_a_context),
-      cmocka_unit_test(contexts_on_two_threads),
+      cmocka_unit_test(frames_wait_on_a_modern_device),  cmocka_unit_test(destruction_waits_for_the_frame),
+      cmocka_unit_test(cascades_share_a_context),        cmocka_unit_test(contexts_on_two_threads),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
 }

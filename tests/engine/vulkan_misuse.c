@@ -31,6 +31,16 @@ static PFN_vkVoidFunction VKAPI_CALL knows_nothing(VkInstance instance, const ch
   return NULL;
 }
 
+static VkResult CSM_CALL allocates_nothing(void *user, const csm_vulkan_memory_request *request,
+                                           csm_vulkan_memory *out) {
+  (void)user, (void)request, (void)out;
+  return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+}
+
+static void CSM_CALL frees_nothing(void *user, const csm_vulkan_memory *memory) {
+  (void)user, (void)memory;
+}
+
 static void devices_are_checked(void **state) {
   (void)state;
   vulkan_engine engine;
@@ -56,6 +66,11 @@ static void devices_are_checked(void **state) {
   expect_create(&device, "vulkan", CSM_ERROR_NULL_POINTER, "an extension without a name");
   expect_create(WITH(reserved, 1), "vulkan", CSM_ERROR_INVALID_VALUE, "reserved");
   expect_create(WITH(reserved2, 1), "vulkan", CSM_ERROR_INVALID_VALUE, "reserved2");
+  expect_create(WITH(reserved3, 1), "vulkan", CSM_ERROR_INVALID_VALUE, "reserved3");
+  expect_create(WITH(dynamic_rendering, 2), "vulkan", CSM_ERROR_INVALID_VALUE, "dynamic_rendering of 2");
+  expect_create(WITH(dynamic_rendering, 1), "vulkan", CSM_ERROR_UNSUPPORTED, "dynamic rendering on Vulkan 1.2");
+  expect_create(WITH(allocate_memory, allocates_nothing), "vulkan", CSM_ERROR_NULL_POINTER, "no free_memory");
+  expect_create(WITH(free_memory, frees_nothing), "vulkan", CSM_ERROR_NULL_POINTER, "no allocate_memory");
   expect_create(WITH(api_version, VK_API_VERSION_1_0), "vulkan", CSM_ERROR_UNSUPPORTED, "Vulkan 1.0");
   expect_create(WITH(queue_family, 9), "vulkan", CSM_ERROR_UNSUPPORTED, "no such queue family");
   expect_create(WITH(features, NULL), "vulkan", CSM_ERROR_UNSUPPORTED, "no features");
@@ -73,6 +88,49 @@ static void devices_are_checked(void **state) {
 
   vulkan_engine_open(&engine, VULKAN_ENGINE_CLIPPING);
   expect_create(&engine.native, "vulkan", CSM_ERROR_UNSUPPORTED, "a device without depthClamp");
+  assert_int_equal(engine.messages, 0);
+  vulkan_engine_close(&engine);
+}
+
+static VkResult CSM_CALL allocates_the_wrong(void *user, const csm_vulkan_memory_request *request,
+                                             csm_vulkan_memory *out) {
+  (void)request, (void)out; /* leaves the memory VK_NULL_HANDLE */
+  ++*(int *)user;
+  return VK_SUCCESS;
+}
+
+static void CSM_CALL takes_the_wrong_back(void *user, const csm_vulkan_memory *memory) {
+  *(int *)user -= memory->memory == VK_NULL_HANDLE;
+}
+
+/* What an allocator cannot give, or gives wrong, is an error by name. What it gave wrong, it gets back. */
+static void allocators_may_fail(void **state) {
+  (void)state;
+  const struct {
+    csm_vulkan_allocate_function allocate;
+    csm_result expected;
+  } cases[] = {{allocates_nothing, CSM_ERROR_OUT_OF_DEVICE_MEMORY}, {allocates_the_wrong, CSM_ERROR_DEVICE}};
+  vulkan_engine engine;
+  int given = 0;
+  vulkan_engine_open(&engine, VULKAN_ENGINE_TYPICAL);
+  engine.native.free_memory = takes_the_wrong_back;
+  engine.native.memory_user = &given;
+  for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+    record record = {0};
+    csm_context *context = NULL;
+    csm_cascades *cascades = NULL;
+    csm_create_info info = support_create_info(&record);
+    const csm_config config = support_config();
+    engine.native.allocate_memory = cases[i].allocate;
+    record.quiet = true;
+    info.vulkan = &engine.native;
+    assert_int_equal(csm_create(&info, &context), CSM_SUCCESS);
+    assert_int_equal(csm_cascades_create(context, &config, &cascades), cases[i].expected);
+    assert_null(cascades);
+    csm_destroy(context);
+    assert_int_equal(record.blocks, 0);
+    assert_int_equal(given, 0);
+  }
   assert_int_equal(engine.messages, 0);
   vulkan_engine_close(&engine);
 }
@@ -296,7 +354,11 @@ static const char *const allowed_commands[] = {"vkCmdBeginDebugUtilsLabelEXT",
                                                "vkCmdBindVertexBuffers",
                                                "vkCmdBindIndexBuffer",
                                                "vkCmdDraw",
-                                               "vkCmdDrawIndexed"};
+                                               "vkCmdDrawIndexed",
+                                               "vkCmdDrawIndirect",
+                                               "vkCmdDrawIndexedIndirect",
+                                               "vkCmdDispatch",
+                                               "vkCmdDispatchIndirect"};
 /* What an engine's device is its own for. */
 static const char *const forbidden[] = {"Queue",         "Wait",     "Idle",  "Fence",       "Semaphore",
                                         "CommandBuffer", "KHR",      "Event", "CommandPool", "CreateDevice",
@@ -341,9 +403,10 @@ static void asks_for_no_more_than_it_may(void **state) {
 
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(devices_are_checked), cmocka_unit_test(other_apis_are_refused),
-      cmocka_unit_test(frames_are_counted),  cmocka_unit_test(images_are_checked),
-      cmocka_unit_test(buffers_are_checked), cmocka_unit_test(asks_for_no_more_than_it_may),
+      cmocka_unit_test(devices_are_checked),          cmocka_unit_test(allocators_may_fail),
+      cmocka_unit_test(other_apis_are_refused),       cmocka_unit_test(frames_are_counted),
+      cmocka_unit_test(images_are_checked),           cmocka_unit_test(buffers_are_checked),
+      cmocka_unit_test(asks_for_no_more_than_it_may),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
 }

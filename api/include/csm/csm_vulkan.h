@@ -3,8 +3,9 @@
  *
  * csm records into the engine's command buffer, which is primary, open, belongs to queue_family, and is outside a
  * render pass. It submits nothing and waits for nothing: the engine submits what was recorded, in the order of
- * recording, to one queue. A recording leaves changed, for graphics alone: the pipeline and all dynamic state,
- * descriptor sets and push constants, vertex buffers 0 to 2, and the index buffer; nothing else.
+ * recording, to one queue. A recording leaves changed, for graphics: the pipeline and all dynamic state, descriptor
+ * sets and push constants, vertex buffers 0 to 2, and the index buffer; for compute: the pipeline, descriptor sets and
+ * push constants; nothing else.
  *
  * The maps and the mask rest in VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, owned by queue_family, and each recording
  * makes what it wrote visible to fragment and compute shaders that follow in the queue. An engine may sample them
