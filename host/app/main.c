@@ -1,13 +1,13 @@
 /* main.c: csm-host: scenes, both backends side by side, measurements and pictures. */
+#include "app/run.h"
 #include "bench/bench.h"
-#include "setup/config_json.h"
 #include "measure/measure.h"
+#include "report/preset_table.h"
+#include "report/report.h"
+#include "setup/config_json.h"
 #include "setup/options.h"
 #include "setup/output.h"
 #include "setup/presets.h"
-#include "report/preset_table.h"
-#include "report/report.h"
-#include "app/run.h"
 #include "view/view.h"
 #include <math.h>
 

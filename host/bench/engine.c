@@ -1,8 +1,7 @@
 #include "bench/engine.h"
-
-#include "csm/csm_vulkan.h"
 #include "base/host.h"
 #include "bench/vulkan_device.h"
+#include "csm/csm_vulkan.h"
 #include <stdlib.h>
 #include <string.h>
 

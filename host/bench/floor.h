@@ -1,6 +1,6 @@
 /*
- * bench/floor.h: a bare Vulkan loop that clears the cascades' maps and draws the same visible lists, and nothing else: what
- * `csm-host bench` measures the library against.
+ * bench/floor.h: a bare Vulkan loop that clears the cascades' maps and draws the same lists into them, without the faces
+ * that csm leaves out, and nothing else. `csm-host bench` measures the library against it.
  */
 #ifndef HOST_FLOOR_H
 #define HOST_FLOOR_H
@@ -30,6 +30,9 @@ double floor_frame(floor_loop *loop);
 
 /* Milliseconds that the last frame took on the GPU; negative where the device has no timestamps. */
 double floor_gpu_ms(const floor_loop *loop);
+
+/* Reads a map of the last frame: resolution * resolution depths, top row first. False if the device fails. */
+bool floor_read(floor_loop *loop, uint32_t cascade, float *out);
 
 /* NULL is allowed. */
 void floor_close(floor_loop *loop);

@@ -1,8 +1,8 @@
 /* no_vulkan.c: in place of floor.c, bare_mask.c and bench_engine.c in a build without Vulkan. */
+#include "base/host.h"
 #include "bench/bare_mask.h"
 #include "bench/engine.h"
 #include "bench/floor.h"
-#include "base/host.h"
 #include <stdio.h>
 
 int floor_open(floor_loop **out, const floor_info *info, char *error, size_t error_size) {

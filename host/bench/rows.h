@@ -2,8 +2,8 @@
 #ifndef HOST_BENCH_ROWS_H
 #define HOST_BENCH_ROWS_H
 
-#include "stage/stage.h"
 #include "base/statistics.h"
+#include "stage/stage.h"
 
 enum { bench_most_rows = 24 };
 

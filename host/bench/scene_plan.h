@@ -2,9 +2,9 @@
 #ifndef HOST_BENCH_PLAN_H
 #define HOST_BENCH_PLAN_H
 
-#include "setup/options.h"
-#include "plan.h"
 #include "base/statistics.h"
+#include "plan.h"
+#include "setup/options.h"
 
 typedef struct bench_plan {
   plan_scene scene;

@@ -1,5 +1,4 @@
 #include "bench/switching.h"
-
 #include "base/host.h"
 #include "stage/stage.h"
 #include <stdlib.h>

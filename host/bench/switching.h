@@ -2,8 +2,8 @@
 #ifndef HOST_BENCH_SWITCH_H
 #define HOST_BENCH_SWITCH_H
 
-#include "setup/options.h"
 #include "base/statistics.h"
+#include "setup/options.h"
 
 typedef struct bench_switch {
   estimate switch_ms[HOST_BACKENDS]; /* to each backend */

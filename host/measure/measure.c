@@ -1,13 +1,13 @@
 #include "measure/measure.h"
-#include "scene/camera_json.h"
-#include "stage/compare.h"
-#include "setup/config_json.h"
-#include "stage/dump.h"
 #include "base/host.h"
-#include "measure/path.h"
 #include "measure/error_picture.h"
-#include "setup/output.h"
+#include "measure/path.h"
 #include "measure/truth_frame.h"
+#include "scene/camera_json.h"
+#include "setup/config_json.h"
+#include "setup/output.h"
+#include "stage/compare.h"
+#include "stage/dump.h"
 #include <inttypes.h>
 #include <stdlib.h>
 

@@ -1,6 +1,6 @@
 #include "measure/path.h"
-#include "scene/camera_json.h"
 #include "base/host.h"
+#include "scene/camera_json.h"
 #include "scene/sun_path.h"
 #include <stdlib.h>
 #include <string.h>

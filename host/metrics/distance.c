@@ -1,7 +1,7 @@
 /* metrics_distance.c: exact Euclidean distances in two passes (Meijster, Roerdink and Hesselink 2000). */
 #include "base/host.h"
-#include "metrics/metrics.h"
 #include "base/parallel.h"
+#include "metrics/metrics.h"
 #include <stdlib.h>
 
 typedef struct distances {

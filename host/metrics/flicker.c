@@ -1,6 +1,6 @@
 #include "metrics/flicker.h"
-#include "stage/compare.h"
 #include "base/linear.h"
+#include "stage/compare.h"
 #include <inttypes.h>
 #include <math.h>
 

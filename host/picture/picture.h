@@ -2,10 +2,10 @@
 #ifndef HOST_PICTURE_H
 #define HOST_PICTURE_H
 
-#include "csm/csm.h"
 #include "base/image.h"
-#include "scene/scene.h"
+#include "csm/csm.h"
 #include "picture/trace.h"
+#include "scene/scene.h"
 
 /* What one camera sees, ready to be shaded. */
 typedef struct picture_view {

@@ -1,7 +1,7 @@
 /* report_json.c: a scene of a report as JSON: for programs, and for the page. */
+#include "report/one_scene.h"
 #include "scene/camera_json.h"
 #include "setup/config_json.h"
-#include "report/one_scene.h"
 
 static const char *const time_names[REPORT_TIMES] = {[REPORT_PLAN_MS] = "plan_ms",
                                                      [REPORT_RECORD_MS] = "record_ms",

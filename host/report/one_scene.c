@@ -1,8 +1,8 @@
 #include "report/one_scene.h"
-#include "stage/compare.h"
 #include "base/host.h"
 #include "measure/error_picture.h"
 #include "report/page_picture.h"
+#include "stage/compare.h"
 #include <math.h>
 #include <stdlib.h>
 

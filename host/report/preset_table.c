@@ -1,7 +1,7 @@
 #include "report/preset_table.h"
 #include "base/host.h"
-#include "setup/output.h"
 #include "report/one_scene.h"
+#include "setup/output.h"
 #include <stdlib.h>
 
 /* What the GPU takes for shadows alone. */

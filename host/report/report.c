@@ -1,10 +1,10 @@
 #include "report/report.h"
-#include "setup/config_json.h"
 #include "base/host.h"
-#include "setup/output.h"
 #include "report/machine.h"
-#include "report/page.h"
 #include "report/one_scene.h"
+#include "report/page.h"
+#include "setup/config_json.h"
+#include "setup/output.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

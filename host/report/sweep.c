@@ -1,8 +1,8 @@
 #include "report/sweep.h"
-#include "stage/compare.h"
-#include "setup/config_json.h"
 #include "base/host.h"
 #include "plan/plan.h"
+#include "setup/config_json.h"
+#include "stage/compare.h"
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>

@@ -1,4 +1,3 @@
-/* scene_alpha_mask.c: where an alpha-tested surface is. */
 #include "scene/scene.h"
 #include <math.h>
 #include <stddef.h>
@@ -22,11 +21,12 @@ double scene_alpha_mask_at(const scene_alpha_mask *o, const double uv[2]) {
   const double upper = (1.0 - right_share) * texel_at(o, left, top) + right_share * texel_at(o, left + 1.0, top);
   const double lower =
       (1.0 - right_share) * texel_at(o, left, top + 1.0) + right_share * texel_at(o, left + 1.0, top + 1.0);
-  return o->factor * ((1.0 - low_share) * upper + low_share * lower);
+  return (1.0 - low_share) * upper + low_share * lower;
 }
 
 const scene_alpha_mask *scene_cut_out(const scene *s, const scene_mesh *mesh) {
   const scene_material *material = &s->materials[mesh->material];
-  const bool cut = material->alpha_tested && material->alpha_mask.alpha && mesh->uvs && material->alpha_mask.cutoff > 0.0;
+  const bool cut =
+      material->alpha_tested && material->alpha_mask.alpha && mesh->uvs && material->alpha_mask.cutoff > 0.0;
   return cut ? &material->alpha_mask : NULL;
 }

@@ -1,8 +1,8 @@
 /* scene_gltf.c: glTF files, through Assimp. */
-#include "scene/gltf_document.h"
 #include "base/host.h"
 #include "base/image.h"
 #include "base/linear.h"
+#include "scene/gltf_document.h"
 #include "scene/scene.h"
 #include <assimp/GltfMaterial.h>
 #include <assimp/cimport.h>
@@ -83,6 +83,14 @@ static double alpha_cutoff(const struct aiMaterial *from) {
   return cutoff;
 }
 
+/* Where no texel can make up for the factor, nothing is left of the surface. */
+static void set_cutoff(scene_alpha_mask *alpha_mask, double cutoff, double factor) {
+  const bool empty = cutoff > factor;
+  if (empty && alpha_mask->alpha)
+    memset(alpha_mask->alpha, 0, (size_t)alpha_mask->width * alpha_mask->height);
+  alpha_mask->cutoff = empty ? 1.0 : cutoff > 0.0 ? cutoff / factor : 0.0;
+}
+
 /* The base colour's texture: its mean colour tints the material, its alpha cuts out what is alpha-tested. */
 static void read_texture(const loader *l, scene_material *material, const struct aiMaterial *from) {
   struct aiString name;
@@ -102,8 +110,7 @@ static void read_texture(const loader *l, scene_material *material, const struct
     alpha_mask->alpha = image_alpha_of_png(data, size, &alpha_mask->width, &alpha_mask->height);
   alpha_mask->wrap[0] = wrap_mode(modes[0]);
   alpha_mask->wrap[1] = wrap_mode(modes[1]);
-  alpha_mask->factor = alpha_factor(from);
-  alpha_mask->cutoff = alpha_cutoff(from);
+  set_cutoff(alpha_mask, alpha_cutoff(from), alpha_factor(from));
   free(owned);
 }
 

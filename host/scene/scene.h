@@ -14,14 +14,13 @@ typedef struct scene_alpha_mask {
   uint8_t *alpha; /* width * height, the row of v = 0 first; NULL: opaque everywhere */
   uint32_t width, height;
   scene_wrap wrap[2]; /* of u and v */
-  double factor;      /* the texture's alpha is multiplied by it */
-  double cutoff;
+  double cutoff;      /* what the material multiplies its alpha by has been taken into account */
 } scene_alpha_mask;
 
 typedef struct scene_material {
   char name[64];
-  float color[3];        /* linear, reflected share of light */
-  bool alpha_tested;     /* the file wants it cut out by its texture */
+  float color[3];              /* linear, reflected share of light */
+  bool alpha_tested;           /* the file wants it cut out by its texture */
   scene_alpha_mask alpha_mask; /* where it is alpha-tested */
   bool two_sided;
 } scene_material;

@@ -1,9 +1,9 @@
 #include "setup/options.h"
-#include "setup/config_json.h"
-#include "scene/camera_json.h"
 #include "base/host.h"
 #include "base/linear.h"
 #include "base/parse.h"
+#include "scene/camera_json.h"
+#include "setup/config_json.h"
 #include "setup/presets.h"
 #include "truth/truth.h"
 #include <math.h>

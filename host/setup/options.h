@@ -2,9 +2,9 @@
 #ifndef HOST_OPTIONS_H
 #define HOST_OPTIONS_H
 
-#include "scene/camera.h"
-#include "csm/csm.h"
 #include "base/json_source.h"
+#include "csm/csm.h"
+#include "scene/camera.h"
 #include "scene/scene.h"
 #include <stdio.h>
 

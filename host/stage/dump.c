@@ -1,8 +1,8 @@
 #include "stage/dump.h"
-#include "scene/camera_json.h"
-#include "setup/config_json.h"
 #include "base/host.h"
 #include "base/linear.h"
+#include "scene/camera_json.h"
+#include "setup/config_json.h"
 #include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>

@@ -1,7 +1,6 @@
 #include "stage/stage.h"
 #include "base/host.h"
 #include "scene/mesh_closed.h"
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -61,7 +60,7 @@ static csm_mesh_info describe_mesh(const scene *from, const scene_mesh *mesh, cs
     info.flags = CSM_MESH_TWO_SIDED; /* leaves are */
     info.alpha_mask = alpha_mask;
     info.uvs = mesh->uvs;
-    info.alpha_cutoff = (float)fmin(cut->cutoff / cut->factor, 1.0);
+    info.alpha_cutoff = (float)cut->cutoff;
   }
   return info;
 }
@@ -102,22 +101,16 @@ void stage_close(stage *s) {
   *s = (stage){0};
 }
 
-/* A factor that no texel can make up for leaves nothing of the surface. */
-static bool is_empty(const scene_alpha_mask *cut) {
-  return cut->cutoff > cut->factor;
-}
-
 static csm_result upload_alpha_mask(stage *s, const scene_alpha_mask *cut, csm_alpha_mask *out) {
   static const uint32_t wraps[] = {[SCENE_WRAP_REPEAT] = CSM_WRAP_REPEAT,
                                    [SCENE_WRAP_MIRROR] = CSM_WRAP_MIRROR,
                                    [SCENE_WRAP_CLAMP] = CSM_WRAP_CLAMP};
-  static const uint8_t nothing[1] = {0};
   const csm_alpha_mask_info info = {.struct_size = sizeof info,
-                                 .width = is_empty(cut) ? 1 : cut->width,
-                                 .height = is_empty(cut) ? 1 : cut->height,
-                                 .wrap_u = wraps[cut->wrap[0]],
-                                 .wrap_v = wraps[cut->wrap[1]],
-                                 .texels = is_empty(cut) ? nothing : cut->alpha};
+                                    .width = cut->width,
+                                    .height = cut->height,
+                                    .wrap_u = wraps[cut->wrap[0]],
+                                    .wrap_v = wraps[cut->wrap[1]],
+                                    .texels = cut->alpha};
   return csm_alpha_mask_create(s->context, &info, out);
 }
 

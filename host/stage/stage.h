@@ -13,7 +13,7 @@ typedef struct stage {
   csm_cascades *cascades;
   csm_mesh *meshes;
   csm_alpha_mask *alpha_masks; /* by material; 0: opaque */
-  bool *closed;           /* by mesh: mesh_is_closed */
+  bool *closed;                /* by mesh: mesh_is_closed */
   csm_instance *instances;
   csm_frame frame;
 } stage;

@@ -31,9 +31,8 @@ static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size) {
 
 static uint64_t hash_material(uint64_t hash, const scene_material *material) {
   const scene_alpha_mask *o = &material->alpha_mask;
-  const double numbers[] = {
-      o->alpha ? o->width : 0.0, o->alpha ? o->height : 0.0, o->wrap[0], o->wrap[1], o->factor, o->cutoff,
-      material->alpha_tested};
+  const double numbers[] = {o->alpha ? o->width : 0.0, o->alpha ? o->height : 0.0, o->wrap[0], o->wrap[1], o->cutoff,
+                            material->alpha_tested};
   hash = hash_bytes(hash, numbers, sizeof numbers);
   return o->alpha ? hash_bytes(hash, o->alpha, (size_t)o->width * o->height) : hash;
 }

@@ -1,7 +1,7 @@
 /* test_picture.c: lines by known pixels, what the colours of the views say, and when views agree. */
-#include "stage/compare.h"
-#include "picture/picture.h"
 #include "picture/lines.h"
+#include "picture/picture.h"
+#include "stage/compare.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,5 @@
-#include "support.h"
 #include "base/linear.h"
+#include "support.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
