@@ -97,17 +97,6 @@ typedef struct gpu_host {
   csm_log_function log; /* never NULL */
 } gpu_host;
 
-/* What an engine must enable on its own device, or may: lists of names, each of which ends with NULL; NULL: none. They
-   are static. */
-typedef struct gpu_needs {
-  const char *const *instance_extensions; /* as the API spells them, like the next two */
-  const char *const *device_extensions;
-  const char *const *features;
-  const char *const *others; /* what has no name: formats, queues, run times */
-  uint32_t api_version;      /* Vulkan: as VK_API_VERSION_1_1; else 0 */
-  uint32_t feature_level;    /* Direct3D 12: as D3D_FEATURE_LEVEL_11_0; else 0 */
-} gpu_needs;
-
 /* The numbers of CSM_DEVICE_* of csm.h. */
 typedef enum gpu_device_type {
   GPU_DEVICE_OTHER,
@@ -138,6 +127,17 @@ typedef struct gpu_capabilities {
   bool timestamps;
   bool dynamic_rendering; /* Vulkan: passes are dynamic rendering, not render passes */
 } gpu_capabilities;
+
+/* What an engine must enable on its own device, or may: lists of names, each of which ends with NULL; NULL: none. They
+   are static. */
+typedef struct gpu_needs {
+  const char *const *instance_extensions; /* as the API spells them, like the next two */
+  const char *const *device_extensions;
+  const char *const *features;
+  const char *const *others; /* what has no name: formats, queues, run times */
+  uint32_t api_version;      /* Vulkan: as VK_API_VERSION_1_1; else 0 */
+  uint32_t feature_level;    /* Direct3D 12: as D3D_FEATURE_LEVEL_11_0; else 0 */
+} gpu_needs;
 
 typedef struct gpu_device_info {
   uint32_t type; /* gpu_device_type */

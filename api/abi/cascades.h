@@ -12,10 +12,10 @@ typedef struct planned {
   void *memory;
   size_t size;
   plan_frame frame;
-  instances list;            /* the frame's own, if it had one */
-  const csm_scene *scene;    /* NULL: the list */
-  bool scene_gone;           /* it was destroyed since */
-  uint64_t revision;         /* of the scene */
+  instances list;         /* the frame's own, if it had one */
+  const csm_scene *scene; /* NULL: the list */
+  bool scene_gone;        /* it was destroyed since */
+  uint64_t revision;      /* of the scene */
   uint32_t instances, changed;
   float constants[CONSTANT_BLOCKS][CONSTANT_BLOCK_FLOATS];
   uint32_t constants_sizes[CONSTANT_BLOCKS]; /* in bytes */

@@ -52,3 +52,23 @@ csm_result CSM_CALL csm_config_preset_describe(uint32_t index, csm_preset_info *
   struct_write(out, sizeof info, &info);
   return CSM_SUCCESS;
 }
+
+csm_result CSM_CALL csm_shader_defines(const csm_config *in, char *text, uint64_t *size) {
+  if (!size)
+    return CSM_ERROR_NULL_POINTER;
+  csm_config config;
+  const char *wrong;
+  csm_result result = struct_read(&config, sizeof config, in);
+  if (!result)
+    result = plan_config_check(&config, &wrong);
+  if (result)
+    return result;
+  const uint64_t room = *size;
+  *size = plan_shader_defines(&config, NULL, 0);
+  if (!text)
+    return CSM_SUCCESS;
+  if (room < *size)
+    return CSM_ERROR_INVALID_VALUE;
+  plan_shader_defines(&config, text, room);
+  return CSM_SUCCESS;
+}

@@ -15,8 +15,8 @@ static csm_result gather_samples(csm_cascades *cascades, uint32_t *count) {
     return CSM_SUCCESS;
   for (const csm_view *v = context->views; v; v = v->next)
     most += v->cascades == cascades;
-  const csm_result result = host_grow(&context->host, (void **)&cascades->samples, &cascades->samples_size,
-                                      most * sizeof *cascades->samples);
+  const csm_result result =
+      host_grow(&context->host, (void **)&cascades->samples, &cascades->samples_size, most * sizeof *cascades->samples);
   for (const csm_view *v = context->views; v && !result; v = v->next) {
     if (v->cascades != cascades)
       continue;

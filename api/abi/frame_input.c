@@ -54,8 +54,7 @@ csm_result frame_input_read(csm_context *context, const csm_frame *in, bool ligh
   if (!result)
     result = check_instances(context, frame);
   if (!result)
-    result =
-        host_check_struct(host, struct_read(&out->camera, sizeof out->camera, frame->camera), "csm_frame: camera");
+    result = host_check_struct(host, struct_read(&out->camera, sizeof out->camera, frame->camera), "csm_frame: camera");
   if (!result && light)
     result = read_light(context, out);
   if (result)

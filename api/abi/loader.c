@@ -95,16 +95,21 @@ static bool segments_fit(int file, uint64_t size) {
   return true;
 }
 
-/* A library whose file ends before what its header promises: the dynamic linker would die of it (SIGBUS). Whatever else
-   is wrong with a file it finds out itself. */
-static bool is_cut_short(const char *path) {
-  const int file = open(path, O_RDONLY | O_CLOEXEC);
+/*
+ * What the dynamic linker would not survive: a pipe, which it would wait for, and a library whose file ends before what
+ * its header promises (SIGBUS). Whatever else is wrong with a file it finds out itself. NULL: nothing.
+ */
+static const char *unfit(const char *path) {
+  const int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   struct stat status;
-  const bool cut = file >= 0 && fstat(file, &status) == 0 && S_ISREG(status.st_mode) &&
-                   !segments_fit(file, (uint64_t)status.st_size);
-  if (file >= 0)
-    close(file);
-  return cut;
+  if (file < 0)
+    return NULL;
+  const char *const wrong = fstat(file, &status) != 0                       ? NULL
+                            : !S_ISREG(status.st_mode)                      ? "it is not a regular file"
+                            : !segments_fit(file, (uint64_t)status.st_size) ? "the file is cut short"
+                                                                            : NULL;
+  close(file);
+  return wrong;
 }
 
 /* Every member after the name is a function that the front calls without looking. */
@@ -159,8 +164,9 @@ csm_result loader_open(loader_library *out, const char *name, char *error, size_
     out->path[0] = '\0';
     return result;
   }
-  if (is_cut_short(out->path))
-    return fail(CSM_ERROR_BACKEND_BROKEN, error, error_size, "%s does not load: the file is cut short", out->path);
+  const char *const wrong = unfit(out->path);
+  if (wrong)
+    return fail(CSM_ERROR_BACKEND_BROKEN, error, error_size, "%s does not load: %s", out->path, wrong);
   out->handle = dlopen(out->path, RTLD_NOW | RTLD_LOCAL);
   if (!out->handle)
     return fail(CSM_ERROR_BACKEND_BROKEN, error, error_size, "%s does not load: %s", out->path, dlerror());

@@ -27,8 +27,8 @@ static csm_result find_source(csm_context *context, const csm_read_info *info, t
   result = map ? cascades_drawn(info->cascades) : CSM_SUCCESS;
   if (result)
     return result;
-  result = technique_set_find(map ? &info->cascades->techniques : &info->view->techniques, info->source,
-                              info->cascade, out);
+  result =
+      technique_set_find(map ? &info->cascades->techniques : &info->view->techniques, info->source, info->cascade, out);
   return result ? host_fail(&context->host, CSM_ERROR_INVALID_STATE, "no mask has been resolved yet") : CSM_SUCCESS;
 }
 

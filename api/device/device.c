@@ -51,8 +51,7 @@ csm_result device_open(const device_open_info *info, device **out) {
   if (!fresh)
     return CSM_ERROR_OUT_OF_MEMORY;
   fresh->host = host;
-  fresh->lent =
-      (gpu_host){.user = host->user, .allocate = host->allocate, .release = host->release, .log = host->log};
+  fresh->lent = (gpu_host){.user = host->user, .allocate = host->allocate, .release = host->release, .log = host->log};
   fresh->own = !info->native;
   fresh->memory_limit = info->memory_limit;
   fresh->slot_count = info->slots ? info->slots : default_slots;

@@ -15,14 +15,14 @@ static csm_result check_memory(device *device, const char *name, uint64_t size, 
   const uint64_t limit = device->memory_limit ? device->memory_limit : device->info.memory_size;
   const uint64_t available = budget(device);
   if (size > largest)
-    return host_fail(host, CSM_ERROR_LIMIT_EXCEEDED, "%s takes %llu bytes, the device allows %llu in one piece",
-                        name, (unsigned long long)size, (unsigned long long)largest);
+    return host_fail(host, CSM_ERROR_LIMIT_EXCEEDED, "%s takes %llu bytes, the device allows %llu in one piece", name,
+                     (unsigned long long)size, (unsigned long long)largest);
   if (size > limit || device->memory_used > limit - size)
     return host_fail(host, CSM_ERROR_LIMIT_EXCEEDED, "%s takes %llu bytes; %llu of %llu are in use", name,
-                        (unsigned long long)size, (unsigned long long)device->memory_used, (unsigned long long)limit);
+                     (unsigned long long)size, (unsigned long long)device->memory_used, (unsigned long long)limit);
   if (size > available)
     return host_fail(host, CSM_ERROR_LIMIT_EXCEEDED, "%s takes %llu bytes; the budget leaves %llu", name,
-                        (unsigned long long)size, (unsigned long long)available);
+                     (unsigned long long)size, (unsigned long long)available);
   return CSM_SUCCESS;
 }
 
@@ -51,11 +51,11 @@ csm_result device_image(device *device, const gpu_image_info *info, gpu_image **
   const uint64_t texel = gpu_format_bytes(info->format);
   *out = NULL;
   if (info->width > device->info.max_image_size || info->height > device->info.max_image_size)
-    return host_fail(host, CSM_ERROR_LIMIT_EXCEEDED, "%s: %u x %u texels, the device allows %u a side",
-                        info->name, info->width, info->height, device->info.max_image_size);
+    return host_fail(host, CSM_ERROR_LIMIT_EXCEEDED, "%s: %u x %u texels, the device allows %u a side", info->name,
+                     info->width, info->height, device->info.max_image_size);
   if (info->layers > device->info.max_image_layers)
-    return host_fail(host, CSM_ERROR_LIMIT_EXCEEDED, "%s: %u layers, the device allows %u", info->name,
-                        info->layers, device->info.max_image_layers);
+    return host_fail(host, CSM_ERROR_LIMIT_EXCEEDED, "%s: %u layers, the device allows %u", info->name, info->layers,
+                     device->info.max_image_layers);
   csm_result result = check_memory(device, info->name, texel * info->width * info->height * info->layers,
                                    device->info.max_allocation_size);
   if (!result)

@@ -23,7 +23,8 @@ static uint64_t hash(const void *bytes, size_t size) {
 }
 
 static bool same(const program_entry *entry, const program_key *key) {
-  return entry->make == key->make && entry->size == key->size && memcmp(entry->about, key->about, key->size) == 0;
+  return entry->make == key->make && entry->size == key->size &&
+         (!key->size || memcmp(entry->about, key->about, key->size) == 0);
 }
 
 /* Where a key's entry is, or would be. */
@@ -85,7 +86,8 @@ static csm_result entry_make(device *device, const program_key *key, program_ent
     return CSM_ERROR_OUT_OF_MEMORY;
   entry->make = key->make;
   entry->size = key->size;
-  memcpy(entry->about, key->about, key->size);
+  if (key->size)
+    memcpy(entry->about, key->about, key->size);
   result = device_check(device, key->make(device->gpu, key->about, &entry->program), key->name);
   if (result) {
     host_release(device->host, entry);

@@ -17,7 +17,7 @@ typedef csm_result (*program_make)(gpu gpu, const void *about, gpu_program **out
 typedef struct program_key {
   program_make make;
   const char *name;  /* for errors: "a mask program" */
-  const void *about; /* compared byte by byte, so padding is zero */
+  const void *about; /* compared byte by byte, so padding is zero; NULL where the maker says it all */
   size_t size;       /* up to PROGRAM_KEY_BYTES */
 } program_key;
 

@@ -20,8 +20,7 @@ static csm_result collect_timings(device *device, uint32_t index) {
 }
 
 static csm_result wait_for_slot(device *device, uint32_t index) {
-  const csm_result result =
-      device_check(device, gpu_wait(device->gpu, index), "waiting for the device");
+  const csm_result result = device_check(device, gpu_wait(device->gpu, index), "waiting for the device");
   if (result)
     return result;
   if (device->slots[index].serial > device->done)
@@ -39,16 +38,16 @@ static csm_result find_slot(device *device, uint64_t frame, next_frame *out) {
                       .fresh = fresh};
   if (out->serial < device->serial)
     return host_fail(device->host, CSM_ERROR_INVALID_VALUE, "csm_frame: frame %llu comes after frame %llu",
-                        (unsigned long long)frame, (unsigned long long)device->serial);
+                     (unsigned long long)frame, (unsigned long long)device->serial);
   if (!device->own && out->serial <= device->done)
     return host_fail(device->host, CSM_ERROR_INVALID_VALUE, "csm_frame: frame %llu is retired already",
-                        (unsigned long long)frame);
+                     (unsigned long long)frame);
   const uint64_t holder = device->slots[out->slot].serial;
   if (!device->own && fresh && holder > device->done)
     return host_fail(device->host, CSM_ERROR_INVALID_STATE,
-                        "frame %llu needs the place of frame %llu, which is not retired: more frames are in flight "
-                        "than the %u frame_slots",
-                        (unsigned long long)frame, (unsigned long long)holder, device->slot_count);
+                     "frame %llu needs the place of frame %llu, which is not retired: more frames are in flight "
+                     "than the %u frame_slots",
+                     (unsigned long long)frame, (unsigned long long)holder, device->slot_count);
   return CSM_SUCCESS;
 }
 
@@ -70,8 +69,7 @@ csm_result recording_prepare(device *device, uint64_t frame, uint64_t ring_size,
 csm_result recording_begin(device *device, void *native) {
   const next_frame *next = &device->prepared;
   const gpu_record_info info = {.slot = next->slot, .native = native, .first = next->fresh};
-  const csm_result result =
-      device_check(device, gpu_begin(device->gpu, &info), "beginning a recording");
+  const csm_result result = device_check(device, gpu_begin(device->gpu, &info), "beginning a recording");
   if (result)
     return result;
   frame_slot *slot = &device->slots[next->slot];

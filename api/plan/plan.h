@@ -264,6 +264,9 @@ uint32_t plan_write_constants(float *out, const plan_frame *frame, const csm_con
 uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_camera *camera, uint32_t width,
                                    uint32_t height, bool unorm_normals, uint32_t view);
 
+/* The text of csm_shader_defines: returns its bytes, the final 0 included, and writes no more than `size` of them. */
+size_t plan_shader_defines(const csm_config *config, char *text, size_t size);
+
 /* What csm_draw_info says of a cascade: the world's transform to its clip space, and the planes of what may cast. */
 void plan_cascade_volume(const plan_frame *frame, uint32_t cascade, double world_to_clip[16], double planes[5][4]);
 

@@ -33,17 +33,16 @@ void draw_list(gpu gpu, const draw_list_info *info) {
     if (mesh->alpha_mask)
       gpu_pass_bind(gpu, mesh->alpha_mask, &(uint32_t){0});
     gpu_pass_draw(
-        gpu,
-        &(gpu_draw){
-            .streams = {mesh->vertices, info->matrices, mesh->alpha_mask ? mesh->vertices : NULL},
-            .stream_offsets = {mesh->vertex_offset, info->offset + (uint64_t)draw->first * info->rows * row_bytes,
-                               mesh->uv_offset},
-            .indices = mesh->indices,
-            .index_offset = mesh->index_offset,
-            .index_size = mesh->index_size,
-            .count = mesh->index_count,
-            .instance_count = draw->count,
-        });
+        gpu, &(gpu_draw){
+                 .streams = {mesh->vertices, info->matrices, mesh->alpha_mask ? mesh->vertices : NULL},
+                 .stream_offsets = {mesh->vertex_offset, info->offset + (uint64_t)draw->first * info->rows * row_bytes,
+                                    mesh->uv_offset},
+                 .indices = mesh->indices,
+                 .index_offset = mesh->index_offset,
+                 .index_size = mesh->index_size,
+                 .count = mesh->index_count,
+                 .instance_count = draw->count,
+             });
   }
 }
 

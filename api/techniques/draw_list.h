@@ -1,4 +1,5 @@
-/* draw_list.h: replays a planned list of instances into the pass that is open, for every technique that draws meshes. */
+/* draw_list.h: replays a planned list of instances into the pass that is open, for every technique that draws meshes.
+ */
 #ifndef TECHNIQUES_DRAW_LIST_H
 #define TECHNIQUES_DRAW_LIST_H
 

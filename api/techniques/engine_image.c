@@ -19,8 +19,7 @@ csm_result engine_image_import(device *device, const void *native, uint32_t widt
   if (!imported)
     return CSM_ERROR_OUT_OF_MEMORY;
   gpu_imported about = {0};
-  const csm_result result =
-      device_check(device, gpu_image_import(device->gpu, native, &imported->image, &about), name);
+  const csm_result result = device_check(device, gpu_image_import(device->gpu, native, &imported->image, &about), name);
   if (result) {
     host_release(device->host, imported);
     return result;

@@ -35,8 +35,8 @@ typedef struct technique_picture {
   uint32_t width, height, show; /* show: CSM_SHOW_* */
   const plan_camera *camera;
   const plan_scene *scene;
-  const plan_list *seen;      /* of the scene, by the camera; empty if the engine brings its depth */
-  const void *engines_depth;  /* csm_vulkan_image, csm_d3d12_image, or NULL; as in csm_mask_info */
+  const plan_list *seen;     /* of the scene, by the camera; empty if the engine brings its depth */
+  const void *engines_depth; /* csm_vulkan_image, csm_d3d12_image, or NULL; as in csm_mask_info */
   const void *engines_normals;
   gpu_image *depth; /* out, of technique_camera_depth: readable once that is recorded */
 } technique_picture;
@@ -45,15 +45,15 @@ typedef struct technique_picture {
 typedef struct technique_run {
   device *device;
   const csm_config *config;
-  const plan_frame *plan;           /* of the cascades */
-  const void *constants[2];         /* the two blocks of csm_constants.h */
-  uint32_t constants_sizes[2];      /* in bytes */
-  const csm_frame *frame;           /* frame, command_buffer, draw */
+  const plan_frame *plan;      /* of the cascades */
+  const void *constants[2];    /* the two blocks of csm_constants.h */
+  uint32_t constants_sizes[2]; /* in bytes */
+  const csm_frame *frame;      /* frame, command_buffer, draw */
   bool timestamps;
   technique_set *cascades;
-  const plan_scene *scene;          /* what the plan's lists are of; NULL for a picture */
-  technique_set *view;              /* NULL: the cascades' techniques run */
-  technique_picture *picture;       /* likewise */
+  const plan_scene *scene;    /* what the plan's lists are of; NULL for a picture */
+  technique_set *view;        /* NULL: the cascades' techniques run */
+  technique_picture *picture; /* likewise */
 } technique_run;
 
 /* What a recording took on the CPU, waiting for the device left out. */

@@ -110,7 +110,8 @@ static csm_result device_use(gpu_device *device) {
 
 static csm_result select_and_describe(gpu_device *device, const gpu_open_info *info) {
   const csm_result result = device->own ? d3d12_own_select(device, info) : d3d12_engine_take(device, info->native);
-  device->info.required = (gpu_needs){.others = device->traits->required, .feature_level = D3D_FEATURE_LEVEL_11_0};
+  device->info.required = device->traits->required;
+  device->info.optional = device->traits->optional;
   return result;
 }
 

@@ -19,7 +19,7 @@ typedef struct d3d12_runtime d3d12_runtime;
 
 /* What is true of the run time, whoever opened the device. */
 typedef struct d3d12_traits {
-  const char *const *required; /* what an engine must bring on its own device, beside the feature level; ends with NULL */
+  gpu_needs required, optional;
   bool self_barriers; /* a barrier from a state to itself orders two writes in that state; else copies need none */
   bool partial_depth_copies; /* a part of a layer of depths may be copied */
   bool markers;              /* events in a command list are seen by someone */

@@ -46,10 +46,10 @@ struct d3d12_runtime {
 
 /* vkd3d's markers do nothing but print a line for every call. */
 const d3d12_traits *d3d12_runtime_traits(void) {
-  static const char *const required[] = {"an ID3D12Device of the process's libvkd3d.so.1",
+  static const char *const run_time[] = {"an ID3D12Device of the process's libvkd3d.so.1",
                                          "its D3D12SerializeRootSignature", NULL};
   static const d3d12_traits traits = {
-      .required = required,
+      .required = {.others = run_time, .feature_level = D3D_FEATURE_LEVEL_11_0},
       .self_barriers = true,
       .partial_depth_copies = true,
       .markers = false,

@@ -17,7 +17,7 @@ PUBLIC, SHADER_INCLUDES, GPU = "api/include", "shaders/include", "backends"
 MAY_SEE = {
     PUBLIC: (),
     "api/plan": (PUBLIC, SHADER_INCLUDES),
-    "api/device": (PUBLIC, GPU),
+    "api/device": (PUBLIC, GPU, "shaders"),  # for bindings of alpha masks
     "api/scene": (PUBLIC, GPU, "api/plan", "api/device"),
     "api/techniques": (PUBLIC, GPU, SHADER_INCLUDES, "shaders", "api/plan", "api/device", "api/scene"),
     "api/abi": (PUBLIC, GPU, SHADER_INCLUDES, "api/plan", "api/device", "api/scene", "api/techniques"),
@@ -125,7 +125,7 @@ PLANTED = [  # a folder, what is included there, and a word of what must be said
     ("api/plan", "<stdio.h>", "pure"),
     ("api/device", '"plan/plan.h"', "api/plan"),
     ("api/device", '"../scene/handles.h"', "api/scene"),
-    ("api/device", '"shader_code.h"', "shaders"),
+    ("api/scene", '"shader_code.h"', "shaders"),
     ("api/scene", '"abi/context.h"', "api/abi"),
     ("api/scene", '"vulkan/internal.h"', "backends/vulkan"),
     ("api/techniques", '"abi/context.h"', "api/abi"),

@@ -169,27 +169,27 @@ enum {
   CSM_PRESET_SHADOW_DISTANCE = 1u << 0 /* it says where shadows end; without this, the scene had better say it */
 };
 
-/* One preset. Texts are static. */
+/* A preset. Texts are static. */
 typedef struct csm_preset_info {
   uint32_t struct_size;
-  uint32_t flags;           /* CSM_PRESET_* */
-  const char *name;         /* as csm_config_preset takes it */
-  const char *about;        /* one sentence: what it is for, or which system it stands for */
+  uint32_t flags; /* CSM_PRESET_* */
+  const char *name;
+  const char *about;        /* one sentence */
   const char *read_in;      /* where its values were read; "csm" if they are csm's own */
   const char *const *notes; /* sentences, then NULL: what is not stated there, and what was taken for it */
 } csm_preset_info;
 
 /*
- * Describes preset `index`, from 0: csm's own come first, then other systems'.
+ * Describes preset `index`, from 0; csm's own come first.
  * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_INDEX (past the last one). [any-thread]
  */
 CSM_API csm_result CSM_CALL csm_config_preset_describe(uint32_t index, csm_preset_info *info);
 
 /*
- * Fills a configuration with a preset: the defaults, but for what the preset says. A struct of an older header gets
- * the fields that it has.
- * Precondition: config->struct_size is set.
- * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (no preset has this name). An error leaves *config as it was.
+ * Fills a configuration with a preset: the defaults, and over them what the preset says. A struct of an older header
+ * gets the fields that it has.
+ * Preconditions: config->struct_size is set.
+ * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (no preset has this name; the configuration is as it was).
  * [any-thread]
  */
 CSM_API csm_result CSM_CALL csm_config_preset(const char *name, csm_config *config);

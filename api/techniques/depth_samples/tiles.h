@@ -21,9 +21,9 @@ typedef struct tile_read {
 /* What the depths of pictures of one size are brought down to. */
 typedef struct tile_images {
   retired retired;
-  uint32_t width, height;   /* of the pictures */
-  uint32_t columns, rows;   /* of large tiles */
-  gpu_image *images[2];     /* small tiles, large ones */
+  uint32_t width, height; /* of the pictures */
+  uint32_t columns, rows; /* of large tiles */
+  gpu_image *images[2];   /* small tiles, large ones */
   gpu_target *targets[2];
   gpu_program *programs[2];
   tile_read *reads;

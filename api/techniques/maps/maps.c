@@ -330,8 +330,8 @@ csm_result maps_draw_target(const technique_set *cascades, device *device, csm_d
   const maps_state *state = technique_state(cascades, &technique_maps);
   const caster_look *look = &state->now.casters.look;
   gpu_native_target native = {0};
-  const csm_result result = device_check(
-      device, gpu_target_native(device->gpu, look->format, GPU_FORMAT_NONE, &native), "the maps' target");
+  const csm_result result =
+      device_check(device, gpu_target_native(device->gpu, look->format, GPU_FORMAT_NONE, &native), "the maps' target");
   if (result)
     return result;
   out->depth_format = native.depth_format;

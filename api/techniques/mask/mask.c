@@ -40,8 +40,8 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
   const bool shows = picture->show != CSM_SHOW_VISIBILITY;
   gpu_image *normals = NULL;
   state->ring = *ring;
-  csm_result result = drawn_image_reserve(&state->mask, device, "mask", GPU_FORMAT_R8_UNORM, picture->width,
-                                          picture->height);
+  csm_result result =
+      drawn_image_reserve(&state->mask, device, "mask", GPU_FORMAT_R8_UNORM, picture->width, picture->height);
   if (!result)
     result = engine_image_import(device, picture->engines_normals, picture->width, picture->height,
                                  "csm_mask_info: normals", &normals, &state->unorm_normals);
