@@ -1,8 +1,17 @@
 // Draws casters into one cascade's map: object space straight to the light's clip space, by the three rows of each
-// instance. One mad chain with the constant innermost, which every compiler keeps, so that all backends rasterise alike.
-float4 main(float3 p : ATTRIBUTE0, float4 x : ATTRIBUTE1, float4 y : ATTRIBUTE2, float4 z : ATTRIBUTE3) : SV_Position
+// instance. OPACITY: casters that an opacity texture cuts out.
+#include "private/vertex.hlsl"
+
+vertex_outputs main(float3 p : ATTRIBUTE0, float4 x : ATTRIBUTE1, float4 y : ATTRIBUTE2, float4 z : ATTRIBUTE3
+#if OPACITY
+                    , float2 uv : ATTRIBUTE4
+#endif
+)
 {
-    return float4(mad(p.x, x.x, mad(p.y, x.y, mad(p.z, x.z, x.w))),
-                  mad(p.x, y.x, mad(p.y, y.y, mad(p.z, y.z, y.w))),
-                  mad(p.x, z.x, mad(p.y, z.y, mad(p.z, z.z, z.w))), 1.0);
+    vertex_outputs o;
+#if OPACITY
+    o.uv = uv;
+#endif
+    o.position = float4(vertex_row(p, x), vertex_row(p, y), vertex_row(p, z), 1.0);
+    return o;
 }

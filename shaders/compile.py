@@ -4,26 +4,33 @@
   compile.py embed OUT_C OUT_H GLSLANG SPIRV_VAL SHADER...   build: SPIR-V made now, DXBC as committed, both as C
   compile.py words OUT_H FILE.dxbc...                        C arrays of DXBC alone, for a program without gpu.h
   compile.py spirv OUT_H GLSLANG SPIRV_VAL SHADER...         C arrays of SPIR-V alone, for who draws with Vulkan alone
-  compile.py dxbc VKD3D_COMPILER FOLDER...                   makes FOLDER/dxbc and its MANIFEST anew, for ./dev shaders
-  compile.py check FOLDER...                                 fails where HLSL, dxbc/ and MANIFEST do not belong together
+  compile.py dxbc VKD3D_COMPILER FOLDER...                   makes each folder's DXBC and its MANIFEST anew, for ./dev shaders
+  compile.py check FOLDER...                                 fails where HLSL, DXBC and MANIFEST do not belong together
 
 A shader is NAME.STAGE.hlsl, STAGE being vs, ps or cs, with `main` as its entry. Includes are pasted in here, looked up
-beside the including file, in the shader's folder, in its include/ and in the one beside this script, so that both
+beside the including file, in the shader's folder, in its include/, in this folder and its include/, so that both
 compilers get the same text, whatever their own rules.
-MANIFEST has a line for each shader: its name, the SHA-256 of that text, and the SHA-256 of its DXBC.
+
+A folder with a variants.toml, which says what it means, makes many programs of a source. Their DXBC lies in one file,
+dxbc/archive, in the order of dxbc/MANIFEST; a folder without one has a file each. MANIFEST has a line for each program: its
+name, the SHA-256 of its text with its defines, the SHA-256 of its DXBC, and its bytes.
 """
+import concurrent.futures
 import hashlib
+import itertools
 import os
 import pathlib
 import re
 import subprocess
 import sys
 import tempfile
+import tomllib
+from dataclasses import dataclass, field
 
 HERE = pathlib.Path(__file__).resolve().parent
 STAGES = {"vs": ("vert", "vs_5_0"), "ps": ("frag", "ps_5_0"), "cs": ("comp", "cs_5_0")}
 SPIRV_OPTIONS = (
-    "-D -V -e main --quiet --target-env vulkan1.1 --hlsl-iomap --shift-cbuffer-binding 0 --shift-texture-binding 16 "
+    "-D -V -g0 -e main --quiet --target-env vulkan1.1 --hlsl-iomap --shift-cbuffer-binding 0 --shift-texture-binding 16 "
     "--shift-uav-binding 32 --shift-sampler-binding 48").split()
 INCLUDE = re.compile(r'\s*#\s*include\s*"([^"]+)"')
 
@@ -39,7 +46,7 @@ def flatten(path, root, marked=False, open_files=()):
         if not include:
             lines.append(line)
             continue
-        found = next((f / include[1] for f in (path.parent, root, root / "include", HERE / "include") if (f / include[1]).is_file()), None)
+        found = next((f / include[1] for f in (path.parent, root, root / "include", HERE, HERE / "include") if (f / include[1]).is_file()), None)
         if not found:
             sys.exit(f"{path}:{number}: there is no {include[1]}")
         lines.append(flatten(found.resolve(), root, marked, open_files + (path,)))
@@ -47,13 +54,60 @@ def flatten(path, root, marked=False, open_files=()):
     return "\n".join(lines) + "\n"
 
 
+@dataclass
+class Program:
+    """One program: a source with what is defined before it."""
+    name: str  # "mask_pcf_3x3_plane.ps"
+    path: pathlib.Path
+    defines: dict = field(default_factory=dict)
+    values: tuple = ()  # of each axis, where it has some
+
+    @property
+    def stage(self):
+        return self.name.rsplit(".", 1)[1]
+
+    @property
+    def symbol(self):
+        return "shader_" + self.name.replace(".", "_")
+
+    def text(self, marked=False):
+        before = "".join(f"#define {name} {value}\n" for name, value in self.defines.items())
+        return before + flatten(self.path, self.path.parent, marked)
+
+
+def stem(path):
+    """"mask.ps" of mask.ps.hlsl."""
+    if path.suffix != ".hlsl" or len(path.suffixes) != 2 or path.suffixes[0][1:] not in STAGES:
+        sys.exit(f"{path}: a shader's name ends in .vs.hlsl, .ps.hlsl or .cs.hlsl")
+    return path.name.removesuffix(".hlsl")
+
+
+def table_of(root):
+    file = root / "variants.toml"
+    return tomllib.loads(file.read_text())["source"] if file.is_file() else []
+
+
+def excepted(source, names):
+    """Whether a rule names all of these: axis by axis, one of its values."""
+    return any(all(names[axis] in values for axis, values in rule.items()) for rule in source.get("except", []))
+
+
+def programs_of(path, source):
+    """The programs that a source's row of the table asks for."""
+    axes, (name, stage) = source.get("axes", []), stem(path).split(".")
+    for values in itertools.product(*(range(len(axis["values"])) for axis in axes)):
+        labels = [axis["values"][value] for axis, value in zip(axes, values)]
+        if excepted(source, {axis.get("name", axis["define"]): label for axis, label in zip(axes, labels)}):
+            continue
+        defines = {axis["define"]: value + axis.get("first", 0) for axis, value in zip(axes, values)}
+        yield Program("_".join(filter(None, [name, *labels])) + "." + stage, path, defines, values)
+
+
 def shaders(root):
-    """Name ("mask_3x3.ps") and path of every shader in a folder."""
-    paths = sorted(p for p in root.glob("*.hlsl"))
-    for path in paths:
-        if path.suffixes[0][1:] not in STAGES or len(path.suffixes) != 2:
-            sys.exit(f"{path}: a shader's name ends in .vs.hlsl, .ps.hlsl or .cs.hlsl")
-    return {path.name.removesuffix(".hlsl"): path for path in paths}
+    """The programs of a folder by name."""
+    rows = {row["file"]: row for row in table_of(root)}
+    paths = [root / file for file in rows] or sorted(root.glob("*.hlsl"))
+    return {program.name: program for path in paths for program in programs_of(path, rows.get(path.name, {}))}
 
 
 def digest(data):
@@ -66,12 +120,17 @@ def run(*command):
         sys.exit(f"{done.stdout}\nfailed: {' '.join(str(part) for part in command)}")
 
 
-def make_spirv(glslang, spirv_val, name, path, folder):
-    source, output = folder / f"{name}.hlsl", folder / f"{name}.spv"
-    source.write_text(flatten(path, path.parent, marked=True))
-    run(glslang, *SPIRV_OPTIONS, "-S", STAGES[name.split(".")[1]][0], "-o", output, source)
+def make_spirv(glslang, spirv_val, program, folder):
+    source, output = folder / f"{program.name}.hlsl", folder / f"{program.name}.spv"
+    source.write_text(program.text(marked=True))
+    run(glslang, *SPIRV_OPTIONS, "-S", STAGES[program.stage][0], "-o", output, source)
     run(spirv_val, "--target-env", "vulkan1.1", output)
     return output.read_bytes()
+
+
+def make_all_spirv(glslang, spirv_val, programs):
+    with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(lambda program: make_spirv(glslang, spirv_val, program, pathlib.Path(folder)), programs))
 
 
 def words(name, code):
@@ -83,45 +142,127 @@ def words(name, code):
     return f"static const uint32_t {name}[] = {{\n    " + ",\n    ".join(rows) + "};\n"
 
 
+def key_of(source, index, values):
+    """Four bits for each axis, above them the source."""
+    key = index
+    for value in values:
+        key = key << 4 | value
+    return key
+
+
+def key_function(name, source, index):
+    """What makes a key of the defines' values."""
+    parameters = ", ".join(f"int32_t {axis['name']}" for axis in source["axes"])
+    lines = [f"static inline uint64_t shader_key_{name}({parameters}) {{", f"  uint64_t key = {index};"]
+    lines += [f"  key = key << 4 | ((uint32_t)({axis['name']} - ({axis.get('first', 0)})) & 15u);" for axis in source["axes"]]
+    return "\n".join([*lines, "  return key;", "}"])
+
+
+FIND = """/* The program of a key, or NULL where the table of variants has none. */
+const gpu_code *shader_find(uint64_t key) {
+  size_t low = 0, high = sizeof variants / sizeof *variants;
+  while (low < high) {
+    const size_t middle = low + (high - low) / 2;
+    if (variants[middle].key < key)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low < sizeof variants / sizeof *variants && variants[low].key == key ? &variants[low].code : NULL;
+}
+"""
+
+
+def code_of(program):
+    kinds = ("spirv", "dxbc")
+    fields = ", ".join(f".{kind} = {program.symbol}_{kind}, .{kind}_size = sizeof {program.symbol}_{kind}" for kind in kinds)
+    return f"{{{fields}}}"
+
+
+def keyed_parts(keyed):
+    """Header and source of what finds a program by its key; `keyed` is (row of the table, its programs)."""
+    header, rows = [], []
+    for index, (source, programs) in enumerate(keyed, 1):
+        header += [key_function(stem(pathlib.Path(source["file"])).split(".")[0], source, index), ""]
+        rows += [(key_of(source, index, program.values), code_of(program)) for program in programs]
+    header += ["/* NULL where the table of variants has none. */", "const gpu_code *shader_find(uint64_t key);"]
+    table = ",\n".join(f"    {{{key}u, {code}}}" for key, code in sorted(rows))
+    source = ["static const struct variant {", "  uint64_t key;", "  gpu_code code;", f"}} variants[] = {{\n{table}}};", "", FIND]
+    return header, source
+
+
 def embed(out_c, out_h, glslang, spirv_val, *paths):
+    paths = [pathlib.Path(path).resolve() for path in paths]
+    rows = {path.parent / row["file"]: row for path in paths for row in table_of(path.parent)}
+    by_path = {path: list(programs_of(path, rows.get(path, {}))) for path in paths}
+    programs = [program for made in by_path.values() for program in made]
     header_name = pathlib.Path(out_h).name
     guard = header_name.upper().replace(".", "_")
     header = ["/* Made by shaders/compile.py. */", f"#ifndef {guard}", f"#define {guard}", "", '#include "gpu.h"', ""]
-    source = ["/* Made by shaders/compile.py. */", f'#include "{header_name}"', ""]
-    with tempfile.TemporaryDirectory() as folder:
-        for path in (pathlib.Path(p).resolve() for p in paths):
-            name = path.name.removesuffix(".hlsl")
-            blob = path.parent / "dxbc" / f"{name}.dxbc"
-            if not blob.is_file():
-                sys.exit(f"{blob} is missing: run ./dev shaders")
-            c_name = "shader_" + name.replace(".", "_")
-            code = {"spirv": make_spirv(glslang, spirv_val, name, path, pathlib.Path(folder)), "dxbc": blob.read_bytes()}
-            header.append(f"extern const gpu_code {c_name};")
-            source += [words(f"{c_name}_{kind}", data) for kind, data in code.items()]
-            fields = ", ".join(f".{kind} = {c_name}_{kind}, .{kind}_size = sizeof {c_name}_{kind}" for kind in code)
-            source.append(f"const gpu_code {c_name} = {{{fields}}};\n")
+    source = ["/* Made by shaders/compile.py. */", f'#include "{header_name}"', "", "#include <stddef.h>", ""]
+    blobs = {root: read_dxbc(root) for root in {path.parent for path in paths}}
+    for program, spirv in zip(programs, make_all_spirv(glslang, spirv_val, programs)):
+        dxbc = blobs[program.path.parent].get(program.name)
+        if not dxbc:
+            sys.exit(f"{program.name} has no DXBC: run ./dev shaders")
+        source += [words(f"{program.symbol}_spirv", spirv), words(f"{program.symbol}_dxbc", dxbc)]
+        if not rows.get(program.path, {}).get("keyed"):
+            header.append(f"extern const gpu_code {program.symbol};")
+            source.append(f"const gpu_code {program.symbol} = {code_of(program)};\n")
+    keyed = [(rows[path], made) for path, made in by_path.items() if rows.get(path, {}).get("keyed")]
+    if keyed:
+        more_header, more_source = keyed_parts(keyed)
+        header += ["", *more_header]
+        source += more_source
     pathlib.Path(out_h).write_text("\n".join(header + ["", "#endif", ""]))
     pathlib.Path(out_c).write_text("\n".join(source))
+
+
+# ---- DXBC ----
+
+
+def read_manifest(root):
+    """Of each program: the hashes of its text and its DXBC, and its bytes."""
+    lines = (line.split() for line in (root / "dxbc/MANIFEST").read_text().splitlines())
+    return {name: (text, blob, int(size)) for name, text, blob, size in lines}
+
+
+def read_dxbc(root):
+    """The DXBC of a folder's programs by name."""
+    archive, blobs, at = root / "dxbc/archive", {}, 0
+    if not archive.is_file():
+        return {blob.name.removesuffix(".dxbc"): blob.read_bytes() for blob in (root / "dxbc").glob("*.dxbc")}
+    content = archive.read_bytes()
+    for name, (_, _, size) in read_manifest(root).items():
+        blobs[name] = content[at:at + size]
+        at += size
+    return blobs
+
+
+def compile_dxbc(compiler, program, folder):
+    source, output = folder / f"{program.name}.hlsl", folder / f"{program.name}.dxbc"
+    source.write_text(program.text())
+    run(compiler, "-x", "hlsl", "-b", "dxbc-tpf", "-p", STAGES[program.stage][1], "-e", "main", "-o", output, source)
+    return output.read_bytes()
 
 
 def make_dxbc(compiler, root):
     folder = root / "dxbc"
     folder.mkdir(exist_ok=True)
-    manifest = []
-    with tempfile.TemporaryDirectory() as scratch:
-        for name, path in shaders(root).items():
-            text = flatten(path, root)
-            source = pathlib.Path(scratch) / f"{name}.hlsl"
-            source.write_text(text)
-            blob = folder / f"{name}.dxbc"
-            run(compiler, "-x", "hlsl", "-b", "dxbc-tpf", "-p", STAGES[name.split(".")[1]][1], "-e", "main", "-o", blob,
-                source)
-            manifest.append(f"{name} {digest(text.encode())} {digest(blob.read_bytes())}\n")
-            print(f"{root.name}/dxbc/{blob.name}: {blob.stat().st_size} bytes")
-    for blob in folder.glob("*.dxbc"):
-        if blob.stem not in shaders(root):
-            blob.unlink()
-    (folder / "MANIFEST").write_text("".join(manifest))
+    programs = shaders(root)
+    with tempfile.TemporaryDirectory() as scratch, concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        blobs = list(pool.map(lambda program: compile_dxbc(compiler, program, pathlib.Path(scratch)), programs.values()))
+    for old in (*folder.glob("*.dxbc"), *folder.glob("archive")):
+        old.unlink()
+    if table_of(root):
+        (folder / "archive").write_bytes(b"".join(blobs))
+    else:
+        for name, blob in zip(programs, blobs):
+            (folder / f"{name}.dxbc").write_bytes(blob)
+    lines = (f"{program.name} {digest(program.text().encode())} {digest(blob)} {len(blob)}\n"
+             for program, blob in zip(programs.values(), blobs))
+    (folder / "MANIFEST").write_text("".join(lines))
+    print(f"{root.name}/dxbc: {len(blobs)} programs, {sum(map(len, blobs))} bytes")
 
 
 def words_header(out_h, *paths):
@@ -131,12 +272,9 @@ def words_header(out_h, *paths):
 
 
 def spirv_header(out_h, glslang, spirv_val, *paths):
-    arrays = []
-    with tempfile.TemporaryDirectory() as folder:
-        for path in (pathlib.Path(p).resolve() for p in paths):
-            name = path.name.removesuffix(".hlsl")
-            code = make_spirv(glslang, spirv_val, name, path, pathlib.Path(folder))
-            arrays.append(words(name.replace(".", "_"), code))
+    programs = [program for path in paths for program in programs_of(pathlib.Path(path).resolve(), {})]
+    codes = make_all_spirv(glslang, spirv_val, programs)
+    arrays = [words(program.name.replace(".", "_"), code) for program, code in zip(programs, codes)]
     pathlib.Path(out_h).write_text("\n".join(["/* Made by shaders/compile.py. */", "#include <stdint.h>", "", *arrays]))
 
 
@@ -145,21 +283,23 @@ def dxbc(compiler, *folders):
         make_dxbc(compiler, pathlib.Path(folder).resolve())
 
 
+def unlisted(root):
+    """Sources that a folder's table of variants does not know."""
+    rows = table_of(root)
+    return {path.name for path in root.glob("*.hlsl")} - {row["file"] for row in rows} if rows else set()
+
+
 def drift(root):
-    """What has drifted apart in a folder, a line each, and how many shaders it has."""
-    recorded = {}
-    for line in (root / "dxbc/MANIFEST").read_text().splitlines():
-        name, source_hash, blob_hash = line.split()
-        recorded[name] = (source_hash, blob_hash)
-    present = shaders(root)
-    wrong = [f"{name}: in dxbc/MANIFEST, but there is no {name}.hlsl" for name in recorded.keys() - present.keys()]
-    for name, path in present.items():
-        blob = root / "dxbc" / f"{name}.dxbc"
-        if name not in recorded or not blob.is_file():
+    """What has drifted apart in a folder, a line each, and how many programs it has."""
+    recorded, blobs, present = read_manifest(root), read_dxbc(root), shaders(root)
+    wrong = [f"{name}: in dxbc/MANIFEST, but there is no such program" for name in recorded.keys() - present.keys()]
+    wrong += [f"{name}: is not in variants.toml" for name in unlisted(root)]
+    for name, program in present.items():
+        if name not in recorded or not blobs.get(name):
             wrong.append(f"{name}: has no DXBC")
-        elif digest(flatten(path, root).encode()) != recorded[name][0]:
+        elif digest(program.text().encode()) != recorded[name][0]:
             wrong.append(f"{name}: the HLSL has changed since its DXBC was made")
-        elif digest(blob.read_bytes()) != recorded[name][1]:
+        elif digest(blobs[name]) != recorded[name][1]:
             wrong.append(f"{name}: the DXBC is not the one in MANIFEST")
     return wrong, len(present)
 
@@ -172,7 +312,7 @@ def check(*folders):
         if wrong:
             sys.exit("\n".join(sorted(wrong)) + f"\nRun ./dev shaders and commit {folder}/dxbc.")
         total += count
-    print(f"{total} shaders: HLSL, DXBC and MANIFEST belong together")
+    print(f"{total} programs: HLSL, DXBC and MANIFEST belong together")
 
 
 if __name__ == "__main__":

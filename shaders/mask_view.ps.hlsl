@@ -1,36 +1,31 @@
 // The debug views of the mask, as csm.h defines them: which cascade a pixel takes, and how densely its map lies there. The
 // normal comes from the depth, whether or not the engine has one: it decides nothing but by the configured normal offset.
-#define MASK_VIEW
-#define CSM_FILTER 2
+#define MASK_GENERAL 1
+#define CSM_FILTER CSM_FILTER_NEAREST
 #include "private/mask.hlsl"
 
-// The square of the texels of a cascade's map that a step in the world passes.
-float texels_square(int cascade, float3 step)
+// The square of the texels of a map that a step in light space passes.
+float texels_square(float4 scale, float side, float3 step)
 {
-    float side = csm_c[CSM_C_RECTS + cascade].z;
-    float u = csm_dot(csm_c[CSM_C_MATRICES + cascade * 3].xyz, step) * side;
-    float v = csm_dot(csm_c[CSM_C_MATRICES + cascade * 3 + 1].xyz, step) * side;
-    return mad(u, u, v * v);
+    float u = scale.x * step.x * side, v = scale.y * step.y * side;
+    return mad(u, u, v * v) * 0.25;
 }
 
-float main(float4 screen : SV_Position) : SV_Target
+float main(mask_inputs pixel) : SV_Target
 {
-    int2 pixel = int2(screen.xy);
-    float depth = load_depth(pixel);
-    if (depth == mask_c[CSM_M_CLEAR].x)
-        return 0.0;
-    float3 position = pixel_position(float2(pixel), depth);
-    float3 right = tangent(pixel, int2(1, 0), position, depth);
-    float3 down = tangent(pixel, int2(0, 1), position, depth);
-    float3 normal = unit_cross(down, right) * mask_c[CSM_M_CLEAR].y;
-    int cascade = csm_cascade(position, normal, csm_view_depth(position));
-    float count = csm_c[CSM_C_PARAMS].x;
-    if (float(cascade) >= count)
-        return 0.0;
-    if (mask_c[CSM_M_VIEW].x < 1.5)
-        return float(cascade + 1) * (1.0 / 255.0);
+    inputs = pixel;
+    float2 place = pixel.position.xy;
+    float depth = camera_depth.Load(int3(int2(place), 0));
+    float2 steps = depth_steps(place, depth);
+    float3 at = light_position(place, depth), normal = unit(plane_normal(place, depth, steps));
+    csm_choice choice = csm_choose(csm_receiver_of(at, normal, csm_dot(mask_c[CSM_M_DEPTH].xyz, at)));
     // Half the logarithm of the square; rounded here, so that no format has a say in it
-    float square = max(texels_square(cascade, right), texels_square(cascade, down));
-    float level = floor(mad(log2(clamp(square, 1e-30, 1e30)), 8.0, 128.5));
-    return clamp(level, 1.0, 255.0) * (1.0 / 255.0);
+    float4 scale = csm_c[CSM_C_SCALES + choice.first.cascade];
+    float side = csm_rect(choice.first).z;
+    float right = texels_square(scale, side, light_position(float2(place.x + 1.0, place.y), depth + steps.x) - at);
+    float down = texels_square(scale, side, light_position(float2(place.x, place.y + 1.0), depth + steps.y) - at);
+    float level = floor(mad(log2(clamp(max(right, down), 1e-30, 1e30)), 8.0, 128.5));
+    float cascade = float(choice.first.cascade + 1);
+    float view = mask_c[CSM_M_CLEAR].y < 1.5 ? cascade : clamp(level, 1.0, 255.0);
+    return depth == mask_c[CSM_M_CLEAR].x || !choice.first.held ? 0.0 : view * (1.0 / 255.0);
 }

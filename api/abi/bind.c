@@ -21,10 +21,10 @@ csm_result CSM_CALL csm_bind(csm_cascades *cascades, csm_binding *out) {
   const plan_frame *plan = &planned->frame;
   csm_binding binding = {.cascade_count = plan->cascade_count,
                          .view = given.view,
-                         .cascade_constants = planned->constants[0],
-                         .setting_constants = planned->constants[1],
-                         .cascade_constants_size = planned->constants_sizes[0],
-                         .setting_constants_size = planned->constants_sizes[1],
+                         .cascade_constants = &planned->constants.cascades,
+                         .setting_constants = &planned->constants.settings,
+                         .cascade_constants_size = sizeof planned->constants.cascades,
+                         .setting_constants_size = sizeof planned->constants.settings,
                          .maps_descriptor = given.maps_descriptor,
                          .mask_descriptor = given.mask_descriptor};
   memcpy(binding.origin, plan->origin, sizeof binding.origin);

@@ -3,9 +3,8 @@
 #define ABI_CASCADES_H
 
 #include "abi/context.h"
+#include "csm_constants.h"
 #include "techniques/technique.h"
-
-enum { CONSTANT_BLOCKS = 2, CONSTANT_BLOCK_FLOATS = 256 };
 
 /* A plan, with the memory that its lists lie in, and what it was made of. */
 typedef struct planned {
@@ -17,8 +16,7 @@ typedef struct planned {
   bool scene_gone;        /* it was destroyed since */
   uint64_t revision;      /* of the scene */
   uint32_t instances, changed;
-  float constants[CONSTANT_BLOCKS][CONSTANT_BLOCK_FLOATS];
-  uint32_t constants_sizes[CONSTANT_BLOCKS]; /* in bytes */
+  csm_constants constants;
 } planned;
 
 struct csm_cascades {

@@ -85,7 +85,7 @@ static csm_result make_plan(csm_cascades *cascades, const frame_input *input, pl
   if (result)
     return host_fail(&context->host, result, "csm_frame: %s", text);
   out->changed = count_changed(cascades, out);
-  out->constants_sizes[0] = plan_write_constants(out->constants[0], &out->frame, &cascades->config);
+  plan_write_constants((float *)&out->constants, &out->frame, &cascades->config);
   return CSM_SUCCESS;
 }
 
@@ -108,8 +108,8 @@ csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame 
   technique_run run = {.device = context_device(cascades->context),
                        .config = &cascades->config,
                        .plan = &next->frame,
-                       .constants = {next->constants[0], next->constants[1]},
-                       .constants_sizes = {next->constants_sizes[0], next->constants_sizes[1]},
+                       .constants = &next->constants,
+                       .constants_size = sizeof next->constants,
                        .frame = &input.frame,
                        .timestamps = input.frame.flags & CSM_FRAME_TIMESTAMPS,
                        .cascades = &cascades->techniques,

@@ -3,11 +3,12 @@
 
 #include "csm_constants.h"
 #include <math.h>
+#include <string.h>
 
 /*
  * A frame without shadows (frame->unshadowed) needs nothing of its own here. plan_fit_nothing has given its cascades
- * intervals that end far below every view depth, and matrices that put every point at texture coordinates and a depth
- * of 2. So a shader that runs through a fixed number of cascades finds none that holds a point.
+ * intervals that end far below every view depth, and scales that put every point at texture coordinates and a depth of
+ * 2. So a shader that runs through a fixed number of cascades finds none that holds a point.
  */
 
 static void put(float *out, uint32_t index, double x, double y, double z, double w) {
@@ -28,102 +29,169 @@ static double grid_place(const plan_cascade *cascade) {
   return place[0] + 4096.0 * place[1];
 }
 
-static void put_cascade(float *out, uint32_t index, const plan_frame *frame, const plan_cascade *cascade,
-                        double reach_texels) {
-  const csm_cascade_info *info = &cascade->info;
-  const double *m = info->world_to_shadow, *origin = frame->origin;
-  put(out, CSM_C_TEXELS + index, info->texel_size, 1.0 / info->depth_range, reach_texels * info->texel_size,
-      cascade->texel[0] / cascade->texel[1]);
-  for (uint32_t row = 0; row < 3; ++row)
-    put(out, CSM_C_MATRICES + index * 3 + row, m[row], m[4 + row], m[8 + row],
-        m[row] * origin[0] + m[4 + row] * origin[1] + m[8 + row] * origin[2] + m[12 + row]);
+/* Where a cascade's map lies in light space that begins at the frame's origin. */
+static void put_cascade(float *out, uint32_t index, const plan_frame *frame, const plan_cascade *cascade) {
+  double scale[3], offset[3];
+  for (uint32_t axis = 0; axis < 3; ++axis) {
+    scale[axis] = cascade->to_clip[axis * 5];
+    offset[axis] =
+        scale[axis] * plan_dot(&frame->basis[axis * 3], frame->origin) + cascade->to_clip[axis * 4 + 3];
+  }
+  const double metre = 1.0 / cascade->info.depth_range;
+  put(out, CSM_C_SCALES + index, scale[0], scale[1], scale[2], cascade->texel[0] * metre);
+  put(out, CSM_C_OFFSETS + index, offset[0], offset[1], offset[2], cascade->texel[1] * metre);
   out[CSM_C_GRID * 4 + index] = plan_float(grid_place(cascade));
+}
+
+/* One that holds nothing: all of light space lies beyond its border. */
+static void put_no_cascade(float *out, uint32_t index) {
+  put(out, CSM_C_SCALES + index, 0.0, 0.0, 0.0, 0.0);
+  put(out, CSM_C_OFFSETS + index, 2.0, 2.0, 2.0, 0.0);
+  out[CSM_C_GRID * 4 + index] = 0.0f;
+}
+
+static void put_maps(float *out, const plan_frame *frame, const csm_config *config) {
+  plan_layout layout;
+  plan_layout_make(&layout, config);
+  const double border = plan_filter_radius_texels(config);
+  for (uint32_t i = 0; i < CSM_CONSTANTS_CASCADES; ++i) {
+    const uint32_t index = i < frame->cascade_count ? i : frame->cascade_count - 1;
+    const plan_cascade *cascade = &frame->cascades[index];
+    const plan_rect *rect = &layout.rects[index];
+    put(out, CSM_C_RECTS + i, rect->x, rect->y, rect->side, rect->layer);
+    put(out, CSM_C_TEXELS + i, cascade->info.texel_size, 1.0 / cascade->info.depth_range, 1.0 - 2.0 * border / rect->side,
+        cascade->texel[0] * cascade->texel[1]);
+    out[CSM_C_SPLITS * 4 + i] = plan_float(cascade->info.far_depth);
+    if (i == index)
+      put_cascade(out, i, frame, cascade);
+    else
+      put_no_cascade(out, i);
+  }
+  const double end = frame->cascades[frame->cascade_count - 1].info.far_depth;
+  put(out, CSM_C_PARAMS, frame->cascade_count, end, 1.0 / layout.width, 1.0 / layout.height);
 }
 
 static void put_filter(float *out, const csm_config *config) {
   double weights[PLAN_MAX_WEIGHTS];
   const double sum = plan_filter_weights(weights, config);
-  put(out, CSM_C_KERNEL, config->filter, plan_filter_taps(config), config->filter_radius_texels, 1.0 / (sum * sum));
+  put(out, CSM_S_KERNEL, config->filter, plan_filter_taps(config), config->filter_radius_texels, 1.0 / (sum * sum));
   for (uint32_t i = 0; i < PLAN_MAX_WEIGHTS; ++i)
-    out[CSM_C_WEIGHTS * 4 + i] = (float)weights[i];
-  put(out, CSM_C_OPTIONS, config->filter_early_out, 0.0, 0.0, 0.0);
+    out[CSM_S_WEIGHTS * 4 + i] = (float)weights[i];
 }
 
 static void put_bias(float *out, const csm_config *config) {
+  /* A plane under the filter needs no more than what it cannot know: half a texel. */
+  const double reach_texels = config->bias_mode == CSM_BIAS_SLOPE ? plan_filter_reach_texels(config) : 0.5;
   /* A depth in 16 bits is off by up to half a unit; what a float is off by lies within the bias in texels. */
   const double rounding = config->map_format == CSM_MAP_D16 ? 0.5 / 65535.0 : 0.0;
-  put(out, CSM_C_BIAS, config->bias_constant_texels, config->bias_slope_texels, config->bias_slope_max,
+  put(out, CSM_S_BIAS, config->bias_constant_texels, config->bias_slope_texels * reach_texels, config->bias_slope_max,
       config->bias_normal_texels);
-  put(out, CSM_C_UNITS, config->bias_constant_range + rounding, config->bias_constant_m, config->bias_slope_range,
+  put(out, CSM_S_UNITS, config->bias_constant_range + rounding, config->bias_constant_m, config->bias_slope_range,
       config->bias_limit_range > 0.0 ? config->bias_limit_range : 1e30);
 }
 
-static void put_maps(float *out, const csm_config *config) {
-  plan_layout layout;
-  plan_layout_make(&layout, config);
-  for (uint32_t i = 0; i < CSM_CONSTANTS_CASCADES; ++i) {
-    const plan_rect *rect = &layout.rects[i < config->cascade_count ? i : config->cascade_count - 1];
-    put(out, CSM_C_RECTS + i, rect->x, rect->y, rect->side, rect->layer);
+static void put_settings(float *out, const plan_frame *frame, const csm_config *config) {
+  const double end = frame->cascades[frame->cascade_count - 1].info.far_depth, fade = config->fade_share * end;
+  put_bias(out, config);
+  put_filter(out, config);
+  put(out, CSM_S_MODES, config->selection, config->out_of_range, config->blend_mode, config->normal_offset_mode);
+  put(out, CSM_S_BAND, config->blend_share, end - fade, fade > 1e-30 ? 1.0 / fade : 0.0,
+      frame->cascades[0].info.near_depth);
+  put(out, CSM_S_OPTIONS, config->bias_mode, config->filter_early_out, config->map_reversed ? -1.0 : 1.0,
+      config->map_reversed ? 0.0 : 1.0);
+}
+
+/* The way the camera looks, as its view has it, and the view depth of the frame's origin. */
+static double look(double forward[3], const plan_frame *frame) {
+  const double *view = frame->camera.view, side = plan_view_side(&frame->camera);
+  double depth = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    forward[i] = side * view[i * 4 + 2];
+    depth += forward[i] * (frame->origin[i] - frame->camera.position[i]);
   }
-  put(out, CSM_C_PARAMS, config->cascade_count, layout.width, 1.0 / layout.width, 0.0);
-  put(out, CSM_C_IMAGE, 1.0 / layout.width, 1.0 / layout.height, config->map_reversed ? -1.0 : 1.0,
-      config->normal_offset_mode);
+  return depth;
 }
 
 uint32_t plan_write_constants(float *out, const plan_frame *frame, const csm_config *config) {
-  const uint32_t count = frame->cascade_count;
-  const double *view = frame->camera.view, side = plan_view_side(&frame->camera);
-  /* A plane under the filter needs no more than what it cannot know: half a texel. */
-  const double reach_texels = config->bias_mode == CSM_BIAS_SLOPE ? plan_filter_reach_texels(config) : 0.5;
-  put_maps(out, config);
-  put(out, CSM_C_DEPTH, side * view[2], side * view[6], side * view[10], 0.0);
+  double forward[3];
+  const double depth = look(forward, frame);
+  memset(out, 0, CSM_C_COUNT * 4 * sizeof(float));
+  put(out, CSM_C_DEPTH, forward[0], forward[1], forward[2], depth);
   for (uint32_t i = 0; i < 3; ++i)
     put(out, CSM_C_BASIS + i, frame->basis[i * 3], frame->basis[i * 3 + 1], frame->basis[i * 3 + 2], 0.0);
-  for (uint32_t i = 0; i < CSM_CONSTANTS_CASCADES; ++i) {
-    const plan_cascade *cascade = &frame->cascades[i < count ? i : count - 1];
-    out[CSM_C_SPLITS * 4 + i] = plan_float(cascade->info.far_depth);
-    put_cascade(out, i, frame, cascade, reach_texels);
-  }
-  const double end = frame->cascades[count - 1].info.far_depth;
-  out[CSM_C_PARAMS * 4 + 3] = plan_float(end);
-  out[CSM_C_BIAS_MODE * 4 + 3] = config->bias_mode == CSM_BIAS_RECEIVER_PLANE;
-  out[CSM_C_FILTER * 4 + 3] = config->filter == CSM_FILTER_PCF_3X3 ? 3.0f : 1.0f;
-  put_bias(out, config);
-  put_filter(out, config);
-  put(out, CSM_C_MODES, config->selection, plan_filter_radius_texels(config), config->out_of_range, config->blend_mode);
-  const double fade = config->fade_share * end;
-  put(out, CSM_C_BAND, config->blend_share, end - fade, fade > 1e-30 ? 1.0 / fade : 0.0,
-      frame->cascades[0].info.near_depth);
+  put_maps(out, frame, config);
+  put_settings(out, frame, config);
   return CSM_C_COUNT * 4 * sizeof(float);
 }
 
-/* 1 if image right, image up and back to the viewer are a right-handed basis of the world, else -1. */
-static double image_handedness(const plan_camera *camera) {
-  const double *v = camera->view, *p = camera->projection;
-  double cross[3];
-  plan_cross(cross, &v[0], &v[4]);
-  const double view = plan_dot(cross, &v[8]);
-  const double image = p[0] * p[5] - p[4] * p[1];
-  return copysign(1.0, view) * copysign(1.0, image) * -plan_view_side(camera);
+/* Clip space to pixels, x to the right and y down; and back. */
+static void clip_and_pixels(double to_pixels[16], double to_clip[16], uint32_t width, uint32_t height) {
+  const double x = 0.5 * width, y = 0.5 * height;
+  const double there[16] = {x, 0, 0, 0, 0, -y, 0, 0, 0, 0, 1, 0, x, y, 0, 1};
+  const double back[16] = {1 / x, 0, 0, 0, 0, -1 / y, 0, 0, 0, 0, 1, 0, -1, 1, 0, 1};
+  memcpy(to_pixels, there, sizeof there);
+  memcpy(to_clip, back, sizeof back);
+}
+
+/* World positions relative to the frame's origin, to a camera's clip space. */
+static void relative_to_clip(double out[16], const plan_frame *frame, const plan_camera *camera) {
+  double view[16];
+  for (int i = 0; i < 16; ++i)
+    view[i] = i < 12 ? camera->view[i] : i == 15;
+  for (int row = 0; row < 3; ++row)
+    for (int k = 0; k < 3; ++k)
+      view[12 + row] += camera->view[k * 4 + row] * (frame->origin[k] - camera->position[k]);
+  plan_multiply(out, camera->projection, view);
+}
+
+/* And back. */
+static void clip_to_relative(double out[16], const plan_frame *frame, const plan_camera *camera) {
+  double unproject[16], rotation[9];
+  (void)plan_invert(unproject, camera->projection); /* plan_camera_make saw to it that it can be */
+  plan_view_rotation_inverse(rotation, camera->view);
+  for (int column = 0; column < 4; ++column) {
+    const double *from = &unproject[column * 4];
+    for (int row = 0; row < 3; ++row)
+      out[column * 4 + row] = rotation[row] * from[0] + rotation[3 + row] * from[1] + rotation[6 + row] * from[2] +
+                              (camera->position[row] - frame->origin[row]) * from[3];
+    out[column * 4 + 3] = from[3];
+  }
+}
+
+/* How a camera's pixels and light space belong together: CSM_M_LIGHT, CSM_M_PLANES and CSM_M_NORMALS. */
+static void put_pixels(float *out, const plan_frame *frame, const plan_camera *camera, uint32_t width, uint32_t height,
+                       bool unorm_normals) {
+  double pixels[16], clip[16], relative[16], to_pixels[16], to_relative[16];
+  clip_and_pixels(pixels, clip, width, height);
+  relative_to_clip(relative, frame, camera);
+  plan_multiply(to_pixels, pixels, relative);
+  clip_to_relative(relative, frame, camera);
+  plan_multiply(to_relative, relative, clip);
+  /* A plane's value grows towards what has less depth, which is the viewer's side unless depth is reversed */
+  const double viewer = camera->reversed ? -1.0 : 1.0;
+  const double decode = unorm_normals ? 2.0 : 1.0, middle = unorm_normals ? -1.0 : 0.0;
+  for (uint32_t axis = 0; axis < 3; ++axis) {
+    const double *a = &frame->basis[axis * 3];
+    double light[4], plane[4];
+    for (int k = 0; k < 4; ++k) {
+      light[k] = plan_dot(a, &to_relative[k * 4]);
+      plane[k] = viewer * plan_dot(a, (const double[3]){to_pixels[k], to_pixels[4 + k], to_pixels[8 + k]});
+    }
+    put(out, CSM_M_LIGHT + axis, light[0], light[1], light[2], light[3]);
+    put(out, CSM_M_PLANES + axis, plane[0], plane[1], plane[2], plane[3]);
+    put(out, CSM_M_NORMALS + axis, decode * a[0], decode * a[1], decode * a[2], middle * (a[0] + a[1] + a[2]));
+  }
+  put(out, CSM_M_LIGHT + 3, to_relative[3], to_relative[7], to_relative[11], to_relative[15]);
 }
 
 uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_camera *camera, uint32_t width,
                                    uint32_t height, bool unorm_normals, uint32_t view) {
-  double unproject[16], rotation[9];
-  (void)plan_invert(unproject, camera->projection); /* plan_camera_make saw to it that it can be */
-  plan_view_rotation_inverse(rotation, camera->view);
-  for (int row = 0; row < 3; ++row) {
-    const double apart = camera->position[row] - frame->origin[row];
-    double values[4];
-    for (int k = 0; k < 4; ++k)
-      values[k] = rotation[row] * unproject[k * 4] + rotation[3 + row] * unproject[k * 4 + 1] +
-                  rotation[6 + row] * unproject[k * 4 + 2] + apart * unproject[k * 4 + 3];
-    put(out, CSM_M_INVERSE + (uint32_t)row, values[0], values[1], values[2], values[3]);
-  }
-  put(out, CSM_M_INVERSE + 3, unproject[3], unproject[7], unproject[11], unproject[15]);
+  double forward[3];
+  const double depth = look(forward, frame);
+  put_pixels(out, frame, camera, width, height, unorm_normals);
   put(out, CSM_M_SIZE, width, height, 1.0 / width, 1.0 / height);
-  put(out, CSM_M_CLEAR, camera->reversed ? 0.0 : 1.0, image_handedness(camera), unorm_normals ? 2.0 : 1.0,
-      unorm_normals ? -1.0 : 0.0);
-  put(out, CSM_M_VIEW, view, 0.0, 0.0, 0.0);
+  put(out, CSM_M_CLEAR, camera->reversed ? 0.0 : 1.0, view, 0.0, 0.0);
+  put(out, CSM_M_DEPTH, plan_dot(forward, &frame->basis[0]), plan_dot(forward, &frame->basis[3]),
+      plan_dot(forward, &frame->basis[6]), depth);
   return CSM_M_COUNT * 4 * sizeof(float);
 }

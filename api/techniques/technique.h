@@ -46,8 +46,8 @@ typedef struct technique_run {
   device *device;
   const csm_config *config;
   const plan_frame *plan;      /* of the cascades */
-  const void *constants[2];    /* the two blocks of csm_constants.h */
-  uint32_t constants_sizes[2]; /* in bytes */
+  const void *constants;    /* csm_constants of csm_constants.h */
+  uint32_t constants_size;  /* in bytes */
   const csm_frame *frame;      /* frame, command_buffer, draw */
   bool timestamps;
   technique_set *cascades;

@@ -1,6 +1,7 @@
 #include "bench/bare_mask.h"
 
 #include "bench/bare_code.h"
+#include "csm/csm.h"
 #include "csm_constants.h"
 #include "base/host.h"
 #include "shader_code.h"
@@ -104,11 +105,11 @@ static VkResult make_sampler(bare_mask *m, VkSampler *out, bool compares) {
   return vkCreateSampler(m->device, &info, NULL, out);
 }
 
-enum { binding_count = 6 };
+enum { binding_count = 6, stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT };
 
 static const VkDescriptorSetLayoutBinding bindings[binding_count] = {
-    {0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL},
-    {1, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL},
+    {0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, stages, NULL},
+    {1, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, stages, NULL},
     {first_texture, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL},
     {first_texture + 1, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL},
     {first_sampler, VK_DESCRIPTOR_TYPE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL},
@@ -248,8 +249,9 @@ static VkResult make_pipeline(bare_mask *m, VkShaderModule vertex, const void *c
 }
 
 static VkResult make_pipelines(bare_mask *m) {
+  const gpu_code *seven = shader_find(shader_key_mask(CSM_FILTER_PCF_7X7, CSM_BIAS_SLOPE, 0, 0, 0));
   VkShaderModule vertex;
-  VkResult result = vulkan_shader(&m->vulkan, shader_screen_vs.spirv, shader_screen_vs.spirv_size, &vertex);
+  VkResult result = vulkan_shader(&m->vulkan, shader_mask_vs.spirv, shader_mask_vs.spirv_size, &vertex);
   if (result)
     return result;
   result = make_pipeline(m, vertex, bare_floor_ps, sizeof bare_floor_ps, BARE_FLOOR);
@@ -258,7 +260,7 @@ static VkResult make_pipelines(bare_mask *m) {
   if (!result)
     result = make_pipeline(m, vertex, bare_loop_49_ps, sizeof bare_loop_49_ps, BARE_LOOP_49);
   if (!result)
-    result = make_pipeline(m, vertex, shader_mask_pcf_7x7_ps.spirv, shader_mask_pcf_7x7_ps.spirv_size, BARE_PCF_7X7);
+    result = make_pipeline(m, vertex, seven->spirv, seven->spirv_size, BARE_PCF_7X7);
   vkDestroyShaderModule(m->device, vertex, NULL);
   return result;
 }

@@ -20,9 +20,13 @@
 #define CSM_SAMPLE_GLSL
 
 #include "csm_constants.h"
+#include "csm_enums.h"
 
 #ifndef CSM_CONSTANTS
 #define CSM_CONSTANTS csm_c
+#endif
+#ifndef CSM_CONSTANT
+#define CSM_CONSTANT(i) CSM_CONSTANTS[i]
 #endif
 #ifndef CSM_MAPS
 #define CSM_MAPS csm_maps
@@ -33,7 +37,7 @@
 #define CSM_SHADOWS CSM_MAPS
 #endif
 #if !defined(CSM_COMPARE) && !defined(CSM_TEXEL_LIT)
-#define CSM_CENTRE(texel) (((texel) + 1.0) * CSM_CONSTANTS[CSM_C_IMAGE].xy)
+#define CSM_CENTRE(texel) (((texel) + 1.0) * CSM_CONSTANT(CSM_C_PARAMS).zw)
 #ifdef CSM_DEPTHS
 #define CSM_DEPTHS_4(texel, layer) textureGather(CSM_DEPTHS, vec3(CSM_CENTRE(texel), layer)).wzxy
 #else
@@ -48,7 +52,7 @@
 // At a texel's centre the bilinear comparison is that texel's own; GLSL cannot fetch from a sampler that compares.
 #ifndef CSM_TEXEL_LIT
 #define CSM_TEXEL_LIT(texel, layer, reference)                                                                         \
-    CSM_COMPARE((texel + 0.5) * CSM_CONSTANTS[CSM_C_IMAGE].xy, layer, reference)
+    CSM_COMPARE((texel + 0.5) * CSM_CONSTANT(CSM_C_PARAMS).zw, layer, reference)
 #endif
 #define csm_float2 vec2
 #define csm_float3 vec3

@@ -19,9 +19,13 @@
 #define CSM_SAMPLE_HLSL
 
 #include "csm_constants.h"
+#include "csm_enums.h"
 
 #ifndef CSM_CONSTANTS
 #define CSM_CONSTANTS csm_c
+#endif
+#ifndef CSM_CONSTANT
+#define CSM_CONSTANT(i) CSM_CONSTANTS[i]
 #endif
 #ifndef CSM_MAPS
 #define CSM_MAPS csm_maps
@@ -29,15 +33,13 @@
 // Who compares in a way of their own has maps of their own: at a texel's centre that comparison is the texel's.
 #if defined(CSM_COMPARE) && !defined(CSM_TEXEL_LIT)
 #define CSM_TEXEL_LIT(texel, layer, reference)                                                                         \
-    CSM_COMPARE((texel + 0.5) * CSM_CONSTANTS[CSM_C_IMAGE].xy, layer, reference)
+    CSM_COMPARE((texel + 0.5) * CSM_CONSTANT(CSM_C_PARAMS).zw, layer, reference)
 #endif
 #ifndef CSM_TEXEL_LIT
 #define CSM_DEPTH(texel, layer) CSM_MAPS.Load(int4(int2(texel), int(layer), 0))
-#define CSM_TEXEL_LIT(texel, layer, reference)                                                                         \
-    float(reference * CSM_CONSTANTS[CSM_C_IMAGE].z <= CSM_DEPTH(texel, layer) * CSM_CONSTANTS[CSM_C_IMAGE].z)
+#define CSM_TEXEL_LIT(texel, layer, reference) float((reference) * CSM_SIDE <= CSM_DEPTH(texel, layer) * CSM_SIDE)
 #ifdef CSM_POINT
-#define CSM_DEPTHS_4(texel, layer)                                                                                     \
-    CSM_MAPS.Gather(CSM_POINT, float3((texel + 1.0) * CSM_CONSTANTS[CSM_C_IMAGE].xy, layer)).wzxy
+#define CSM_DEPTHS_4(texel, layer) CSM_MAPS.Gather(CSM_POINT, float3((texel + 1.0) * CSM_CONSTANT(CSM_C_PARAMS).zw, layer)).wzxy
 #else
 #define CSM_DEPTHS_4(texel, layer)                                                                                     \
     float4(CSM_DEPTH(texel, layer), CSM_DEPTH((texel + float2(1.0, 0.0)), layer),                                      \

@@ -1,5 +1,16 @@
-// The mask: visibility of every pixel of a camera's depth image. Where MASK_VIEW is defined, only what a view of it needs.
+// What the mask's pixel shaders share: a pixel's place in light space, and how its surface lies there.
+#if MASK_GENERAL == 0
+#define CSM_CASCADES 4
+#define CSM_MAPS_ALIKE 1
+#define CSM_MAPS_REVERSED 0
+#define CSM_SELECTION CSM_SELECT_MAP
+#define CSM_BLENDING CSM_BLEND_OFF
+#define CSM_NORMAL_OFFSET 0
+#define CSM_BIAS_UNITS 0
+#endif
 #include "csm_constants.h"
+#include "csm_enums.h"
+#include "private/mask_inputs.hlsl"
 
 cbuffer cascades_block : register(b0)
 {
@@ -11,96 +22,96 @@ cbuffer mask_block : register(b1)
 };
 Texture2DArray<float> csm_maps : register(t0);
 Texture2D<float> camera_depth : register(t1);
-#ifdef MASK_NORMALS
+#if MASK_NORMALS
 Texture2D<float4> normals : register(t2);
 #endif
 SamplerState csm_point : register(s0);
 #define CSM_POINT csm_point
 
+// The first four cascades' constants come with the inputs.
+static mask_inputs inputs;
+#define CSM_SCALE_0 inputs.scale_0
+#define CSM_SCALE_1 inputs.scale_1
+#define CSM_SCALE_2 inputs.scale_2
+#define CSM_SCALE_3 inputs.scale_3
+#define CSM_OFFSET_0 inputs.offset_0
+#define CSM_OFFSET_1 inputs.offset_1
+#define CSM_OFFSET_2 inputs.offset_2
+#define CSM_OFFSET_3 inputs.offset_3
 #include "csm_sample.hlsl"
 
-float load_depth(int2 pixel)
+float light_row(float4 row, float2 place, float depth)
 {
-    int2 last = int2((int)mask_c[CSM_M_SIZE].x - 1, (int)mask_c[CSM_M_SIZE].y - 1);
-    return camera_depth.Load(int3(clamp(pixel, int2(0, 0), last), 0));
+    return mad(place.x, row.x, mad(place.y, row.y, mad(depth, row.z, row.w)));
 }
 
-float row_value(uint row, float2 ndc, float depth)
+// A point of the screen in light space.
+float3 light_position(float2 place, float depth)
 {
-    float4 c = mask_c[CSM_M_INVERSE + row];
-    return mad(ndc.x, c.x, mad(ndc.y, c.y, mad(depth, c.z, c.w)));
+    float scale = 1.0 / light_row(inputs.light_3, place, depth);
+    return float3(light_row(inputs.light_0, place, depth) * scale, light_row(inputs.light_1, place, depth) * scale,
+                  light_row(inputs.light_2, place, depth) * scale);
 }
 
-// World position of a pixel's centre, relative to the constants' origin.
-float3 pixel_position(float2 pixel, float depth)
+// The depths of the pixels on either side, and of those behind them.
+struct neighbours
 {
-    float2 ndc = float2(mad(pixel.x + 0.5, mask_c[CSM_M_SIZE].z * 2.0, -1.0),
-                        mad(pixel.y + 0.5, mask_c[CSM_M_SIZE].w * -2.0, 1.0));
-    float w = row_value(3, ndc, depth);
-    return float3(row_value(0, ndc, depth) / w, row_value(1, ndc, depth) / w, row_value(2, ndc, depth) / w);
+    float back;
+    float far_back;
+    float on;
+    float far_on;
+};
+
+// How the depth changes from one pixel to the next along an axis. Across a plane depth is linear on screen, so the side is
+// taken on which three pixels lie on one line. Where both do, their difference is rounding, which must not choose.
+float depth_step(float depth, neighbours n, int at, int size)
+{
+    float bend_back = abs(mad(2.0, n.back, -n.far_back) - depth), bend_on = abs(mad(2.0, n.on, -n.far_on) - depth);
+    // Pixels beyond the border say nothing
+    bend_back = at > 1 ? bend_back : at > 0 ? 1e20 : 1e30;
+    bend_on = at < size - 2 ? bend_on : at < size - 1 ? 1e20 : 1e30;
+    return mad(depth, 4.0 / 8388608.0, bend_back) < bend_on ? depth - n.back : n.on - depth;
 }
 
-bool inside(int2 pixel)
+// The depth's steps right and down.
+float2 depth_steps(float2 place, float depth)
 {
-    return pixel.x >= 0 && pixel.y >= 0 && (float)pixel.x < mask_c[CSM_M_SIZE].x && (float)pixel.y < mask_c[CSM_M_SIZE].y;
-}
-
-// How far the depth at a pixel is from where the two pixels beside it say that it is. Depth in clip space is linear across
-// a plane on screen, so this is 0 where the three lie on one plane. Pixels beyond the border say nothing.
-float bend(int2 pixel, int2 axis, float beside, float depth)
-{
-    float error = abs(mad(2.0, beside, -load_depth(pixel + axis + axis)) - depth);
-    return inside(pixel + axis + axis) ? error : inside(pixel + axis) ? 1e20 : 1e30;
-}
-
-// How the position changes across one pixel along an axis, taken on the side that goes on straight.
-float3 tangent(int2 pixel, int2 axis, float3 position, float depth)
-{
-    float before = load_depth(pixel - axis);
-    float after = load_depth(pixel + axis);
-    bool back = bend(pixel, -axis, before, depth) < bend(pixel, axis, after, depth);
-    // One of the two sides is all that is worked out
-    float3 beside = pixel_position(float2(back ? pixel - axis : pixel + axis), back ? before : after);
-    return back ? position - beside : beside - position;
+    float4 size = mask_c[CSM_M_SIZE];
+    float2 uv = place * size.zw;
+    int2 pixel = int2(place);
+    // Each gather reads two pixels to one side: its corner lies between them, and half a pixel off the axis
+    float4 left = camera_depth.Gather(csm_point, float2(mad(size.z, -1.5, uv.x), mad(size.w, 0.5, uv.y)));
+    float4 right = camera_depth.Gather(csm_point, float2(mad(size.z, 1.5, uv.x), mad(size.w, 0.5, uv.y)));
+    float4 above = camera_depth.Gather(csm_point, float2(mad(size.z, 0.5, uv.x), mad(size.w, -1.5, uv.y)));
+    float4 below = camera_depth.Gather(csm_point, float2(mad(size.z, 0.5, uv.x), mad(size.w, 1.5, uv.y)));
+    neighbours across, down;
+    across.back = left.z;
+    across.far_back = left.w;
+    across.on = right.w;
+    across.far_on = right.z;
+    down.back = above.x;
+    down.far_back = above.w;
+    down.on = below.w;
+    down.far_on = below.x;
+    return float2(depth_step(depth, across, pixel.x, int(size.x)), depth_step(depth, down, pixel.y, int(size.y)));
 }
 
 // A unit vector; towards the light where there is no direction.
 float3 unit(float3 v)
 {
     float square = csm_dot(v, v);
-    return square > 0.0 ? v * rsqrt(square) : -csm_c[CSM_C_BASIS + 2].xyz;
+    return square > 0.0 ? v * rsqrt(square) : float3(0.0, 0.0, -1.0);
 }
 
-float3 unit_cross(float3 a, float3 b)
+float normal_row(float4 row, float2 steps, float origin)
 {
-    return unit(float3(mad(a.y, b.z, -(a.z * b.y)), mad(a.z, b.x, -(a.x * b.z)), mad(a.x, b.y, -(a.y * b.x))));
+    return mad(steps.x, row.x, mad(steps.y, row.y, mad(origin, row.w, -row.z)));
 }
 
-#ifndef MASK_VIEW
-#ifdef MASK_NORMALS
-float3 surface_normal(int2 pixel, float3 position, float depth)
+// The normal of the plane on screen that has these steps, in light space.
+float3 plane_normal(float2 place, float depth, float2 steps)
 {
-    float3 n = normals.Load(int3(pixel, 0)).xyz;
-    float2 decode = mask_c[CSM_M_CLEAR].zw;
-    return unit(float3(mad(n.x, decode.x, decode.y), mad(n.y, decode.x, decode.y), mad(n.z, decode.x, decode.y)));
+    float origin = mad(-steps.x, place.x, mad(-steps.y, place.y, depth));
+    return float3(normal_row(inputs.normal_0, steps, origin), normal_row(inputs.normal_1, steps, origin),
+                  normal_row(inputs.normal_2, steps, origin));
 }
-#else
-float3 surface_normal(int2 pixel, float3 position, float depth)
-{
-    float3 right = tangent(pixel, int2(1, 0), position, depth);
-    float3 down = tangent(pixel, int2(0, 1), position, depth);
-    return unit_cross(down, right) * mask_c[CSM_M_CLEAR].y;
-}
-#endif
-
-float main(float4 screen : SV_Position) : SV_Target
-{
-    int2 pixel = int2(screen.xy);
-    float depth = load_depth(pixel);
-    if (depth == mask_c[CSM_M_CLEAR].x)
-        return 1.0;
-    float3 position = pixel_position(float2(pixel), depth);
-    float3 normal = surface_normal(pixel, position, depth);
-    return csm_visibility(position, normal, csm_view_depth(position));
-}
-#endif

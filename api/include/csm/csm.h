@@ -502,8 +502,8 @@ typedef struct csm_binding {
   uint32_t resolutions[CSM_MAX_CASCADES]; /* of each cascade's map, texels a side */
   /* The two blocks of shaders/include/csm_constants.h, as bytes to copy. They stay until the next csm_render_cascades,
      csm_cascades_configure or csm_cascades_destroy. */
-  const void *cascade_constants; /* csm_cascade_constants */
-  const void *setting_constants; /* csm_setting_constants */
+  const void *cascade_constants; /* csm_cascades_block */
+  const void *setting_constants; /* csm_settings_block */
   uint32_t cascade_constants_size;
   uint32_t setting_constants_size; /* it grows with csm, at its end */
   uint64_t native_maps;            /* VkImage, or ID3D12Resource*: the array of maps, readable by shaders */

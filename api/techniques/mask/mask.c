@@ -47,9 +47,8 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
                                  "csm_mask_info: normals", &normals, &state->unorm_normals);
   if (shows)
     normals = NULL; /* checked all the same */
-  const mask_kind kind = mask_kind_of(run->config, normals, shows);
   if (!result)
-    result = mask_program(device, &kind, &state->program);
+    result = mask_program(device, run->config, normals, shows, &state->program);
   if (result)
     return result;
   const gpu_bindings_info reads = {
@@ -65,7 +64,7 @@ static void write(void *self, const technique_run *run) {
   const mask_state *state = self;
   const technique_picture *picture = run->picture;
   char *blocks = state->ring.memory;
-  memcpy(blocks, run->constants[0], run->constants_sizes[0]);
+  memcpy(blocks, run->constants, run->constants_size);
   plan_write_mask_constants((float *)(blocks + MASK_CASCADES_BLOCK), run->plan, picture->camera, picture->width,
                             picture->height, state->unorm_normals, picture->show);
 }

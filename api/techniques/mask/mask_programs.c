@@ -1,54 +1,49 @@
 #include "techniques/mask/mask_programs.h"
 
+#include "plan/plan.h"
 #include "shader_code.h"
 
-mask_kind mask_kind_of(const csm_config *config, bool normals, bool shows) {
-  if (shows)
-    return (mask_kind){.shows = true};
-  return (mask_kind){.filter = config->filter,
-                     .early = config->filter_early_out,
-                     .plane = config->bias_mode == CSM_BIAS_RECEIVER_PLANE,
-                     .normals = normals};
+/* Values of the axes of mask.ps.hlsl in variants.toml, beside those of csm_config. */
+enum { BIAS_AS_CONFIGURED = -1, PLAIN = 0, GENERAL = 1, PLAIN_CASCADES = 4 };
+
+/* What a program is made for. */
+typedef struct mask_key {
+  uint64_t variant; /* of mask.ps.hlsl; 0: what shows something else than visibility */
+  uint64_t normals;
+} mask_key;
+
+static bool maps_alike(const csm_config *config) {
+  if (config->map_layout != CSM_LAYOUT_ARRAY)
+    return false;
+  for (uint32_t i = 1; i < config->cascade_count; ++i)
+    if (plan_resolution(config, i) != plan_resolution(config, 0))
+      return false;
+  return true;
 }
 
-/* By bias, then by where normals come from. */
-#define MASK_CODES(name)                                                                                               \
-  {                                                                                                                    \
-    {&shader_mask_##name##_ps, &shader_mask_##name##_normals_ps}, {                                                    \
-      &shader_mask_##name##_plane_ps, &shader_mask_##name##_plane_normals_ps                                           \
-    }                                                                                                                  \
-  }
+/* Whether the programs do that leave out what few configurations ask for. */
+static bool is_plain(const csm_config *config) {
+  const bool texels_only = config->bias_constant_m == 0.0 && config->bias_slope_range == 0.0 &&
+                           config->bias_limit_range == 0.0 && config->bias_normal_texels == 0.0;
+  return config->cascade_count <= PLAIN_CASCADES && config->selection == CSM_SELECT_MAP &&
+         config->blend_mode == CSM_BLEND_OFF && texels_only && !config->map_reversed && maps_alike(config);
+}
 
-/* These leave the bias to the constants: vkd3d draws some of them wrong where it is fixed. */
-#define MASK_EARLY(name)                                                                                               \
-  {                                                                                                                    \
-    {&shader_mask_##name##_early_ps, &shader_mask_##name##_early_normals_ps}, {                                        \
-      &shader_mask_##name##_early_ps, &shader_mask_##name##_early_normals_ps                                           \
-    }                                                                                                                  \
-  }
+static uint64_t variant_of(const csm_config *config, bool normals) {
+  const bool early = config->filter_early_out;
+  return shader_key_mask((int32_t)config->filter, early ? BIAS_AS_CONFIGURED : (int32_t)config->bias_mode, early,
+                         normals, is_plain(config) ? PLAIN : GENERAL);
+}
 
 static csm_result make(gpu gpu, const void *about, gpu_program **out) {
-  const mask_kind *kind = about;
-  /* By early out, which large boxes alone have; linear_depth has no texels to place on a plane. */
-  const gpu_code *const codes[][2][2][2] = {
-      [CSM_FILTER_PCF_2X2] = {MASK_CODES(pcf_2x2)},
-      [CSM_FILTER_PCF_3X3] = {MASK_CODES(pcf_3x3)},
-      [CSM_FILTER_NEAREST] = {MASK_CODES(nearest)},
-      [CSM_FILTER_LINEAR_DEPTH] = {{{&shader_mask_linear_depth_ps, &shader_mask_linear_depth_normals_ps}}},
-      [CSM_FILTER_PCF_5X5] = {MASK_CODES(pcf_5x5), MASK_EARLY(pcf_5x5)},
-      [CSM_FILTER_PCF_7X7] = {MASK_CODES(pcf_7x7), MASK_EARLY(pcf_7x7)},
-      [CSM_FILTER_PCF_N] = {MASK_CODES(pcf_n), MASK_EARLY(pcf_n)},
-      [CSM_FILTER_POISSON] = {MASK_CODES(poisson)},
-      [CSM_FILTER_VOGEL] = {MASK_CODES(vogel)},
-      [CSM_FILTER_GRID_17] = {MASK_CODES(grid_17)},
-  };
+  const mask_key *key = about;
   const gpu_program_info info = {
-      .name = kind->shows ? "mask view" : "mask",
-      .vertex = shader_screen_vs,
-      .pixel = kind->shows ? shader_mask_view_ps : *codes[kind->filter][kind->early][kind->plane][kind->normals],
+      .name = key->variant ? "mask" : "mask view",
+      .vertex = key->normals ? shader_mask_normals_vs : shader_mask_vs,
+      .pixel = key->variant ? *shader_find(key->variant) : shader_mask_view_ps,
       .constants_count = 2,
       .constants_sizes = {MASK_CASCADES_BLOCK, MASK_CAMERA_BLOCK},
-      .texture_count = kind->normals ? 3 : 2,
+      .texture_count = key->normals ? 3 : 2,
       .sampler_count = 1,
       .samplers = {GPU_SAMPLER_POINT_CLAMP},
       .color_format = GPU_FORMAT_R8_UNORM,
@@ -57,7 +52,8 @@ static csm_result make(gpu gpu, const void *about, gpu_program **out) {
   return gpu_program_create(gpu, &info, out);
 }
 
-csm_result mask_program(device *device, const mask_kind *kind, gpu_program **out) {
-  const program_key key = {.make = make, .name = "a mask program", .about = kind, .size = sizeof *kind};
+csm_result mask_program(device *device, const csm_config *config, bool normals, bool shows, gpu_program **out) {
+  const mask_key about = {.variant = shows ? 0 : variant_of(config, normals), .normals = normals && !shows};
+  const program_key key = {.make = make, .name = "a mask program", .about = &about, .size = sizeof about};
   return programs_find(device, &key, out);
 }

@@ -1,0 +1,51 @@
+/*
+ * csm_enums.h: the enumerations of csm_config that shaders know, as integers with names, for HLSL and GLSL. C and C++ have
+ * them from csm.h; a test holds the two together.
+ */
+#ifndef CSM_ENUMS_H
+#define CSM_ENUMS_H
+
+#if !defined(__cplusplus) && !defined(__STDC_VERSION__)
+
+/* What a define is that fixes nothing. */
+#define CSM_AS_CONFIGURED (-1)
+
+#define CSM_FILTER_PCF_2X2 0
+#define CSM_FILTER_PCF_3X3 1
+#define CSM_FILTER_NEAREST 2
+#define CSM_FILTER_LINEAR_DEPTH 3
+#define CSM_FILTER_PCF_5X5 4
+#define CSM_FILTER_PCF_7X7 5
+#define CSM_FILTER_PCF_N 6
+#define CSM_FILTER_POISSON 7
+#define CSM_FILTER_VOGEL 8
+#define CSM_FILTER_GRID_17 9
+
+#define CSM_WEIGHTS_UNIFORM 0
+#define CSM_WEIGHTS_GAUSSIAN 1
+#define CSM_WEIGHTS_CASTANO 2
+
+#define CSM_BIAS_SLOPE 0
+#define CSM_BIAS_RECEIVER_PLANE 1
+
+#define CSM_NORMAL_OFFSET_CONSTANT 0
+#define CSM_NORMAL_OFFSET_SINE 1
+#define CSM_NORMAL_OFFSET_ONE_MINUS_COSINE 2
+
+#define CSM_SELECT_INTERVAL 0
+#define CSM_SELECT_MAP 1
+#define CSM_SELECT_BEST 2
+
+#define CSM_OUT_OF_RANGE_LIT 0
+#define CSM_OUT_OF_RANGE_DARK 1
+#define CSM_OUT_OF_RANGE_FADED 2
+
+#define CSM_BLEND_OFF 0
+#define CSM_BLEND_LINEAR 1
+#define CSM_BLEND_DITHERED 2
+
+#define CSM_LAYOUT_ARRAY 0
+#define CSM_LAYOUT_ATLAS 1
+
+#endif
+#endif

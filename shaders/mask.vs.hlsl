@@ -1,0 +1,40 @@
+// One triangle over the whole mask, with what is the same for all of its pixels.
+#include "csm_constants.h"
+#include "private/mask_inputs.hlsl"
+
+cbuffer cascades_block : register(b0)
+{
+    float4 csm_c[CSM_C_COUNT];
+};
+cbuffer mask_block : register(b1)
+{
+    float4 mask_c[CSM_M_COUNT];
+};
+
+#if MASK_NORMALS
+#define NORMAL_ROWS CSM_M_NORMALS
+#else
+#define NORMAL_ROWS CSM_M_PLANES
+#endif
+
+mask_inputs main(uint vertex : SV_VertexID)
+{
+    mask_inputs o;
+    o.position = float4(vertex == 1 ? 3.0 : -1.0, vertex == 2 ? 3.0 : -1.0, 0.0, 1.0);
+    o.light_0 = mask_c[CSM_M_LIGHT];
+    o.light_1 = mask_c[CSM_M_LIGHT + 1];
+    o.light_2 = mask_c[CSM_M_LIGHT + 2];
+    o.light_3 = mask_c[CSM_M_LIGHT + 3];
+    o.normal_0 = mask_c[NORMAL_ROWS];
+    o.normal_1 = mask_c[NORMAL_ROWS + 1];
+    o.normal_2 = mask_c[NORMAL_ROWS + 2];
+    o.scale_0 = csm_c[CSM_C_SCALES];
+    o.scale_1 = csm_c[CSM_C_SCALES + 1];
+    o.scale_2 = csm_c[CSM_C_SCALES + 2];
+    o.scale_3 = csm_c[CSM_C_SCALES + 3];
+    o.offset_0 = csm_c[CSM_C_OFFSETS];
+    o.offset_1 = csm_c[CSM_C_OFFSETS + 1];
+    o.offset_2 = csm_c[CSM_C_OFFSETS + 2];
+    o.offset_3 = csm_c[CSM_C_OFFSETS + 3];
+    return o;
+}

@@ -1,2 +1,0 @@
-#define CSM_FILTER 4
-#include "private/mask.hlsl"

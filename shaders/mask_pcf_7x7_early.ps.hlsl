@@ -1,2 +1,0 @@
-#define CSM_FILTER 5
-#include "private/mask.hlsl"

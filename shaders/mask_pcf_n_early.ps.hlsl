@@ -1,2 +1,0 @@
-#define CSM_FILTER 6
-#include "private/mask.hlsl"

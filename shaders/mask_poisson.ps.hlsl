@@ -1,3 +1,0 @@
-#define CSM_FILTER 7
-#define CSM_BIAS_MODE 0
-#include "private/mask.hlsl"
