@@ -49,8 +49,7 @@ PURE_HEADERS = re.compile(r"(float|limits|math|stdbool|stddef|stdint|string)\.h"
 HANDED_OVER = {("api/include/csm/csm_vulkan.h", "vulkan/vulkan_core.h"), ("api/include/csm/csm_loader.h", "windows.h")}
 
 FOLDERS = ("api", "backends", "shaders", "host", "examples")
-SEARCHED = (PUBLIC, SHADER_INCLUDES, "api", "backends", "shaders", "examples/shaders")
-HOST_SEARCHED = ("host", PUBLIC, SHADER_INCLUDES, "api/plan", "api", "backends", "shaders")
+SEARCHED = (PUBLIC, SHADER_INCLUDES, "api", "backends", "shaders", "host", "api/plan", "examples/shaders")
 # Made by the build, so not to be found in the sources.
 GENERATED = {"shader_code.h": "shaders"}
 SUFFIXES = {".c", ".h", ".cpp", ".hlsl", ".glsl", ".inc", ".vert", ".frag", ".comp"}
@@ -64,9 +63,12 @@ def layer_of(path):
 
 
 def resolve(root, source, name):
-    """The project's file that an include means, from the project's root, or None for one from outside."""
-    searched = HOST_SEARCHED if source.is_relative_to(root / "host") else SEARCHED
-    for folder in (source.parent, *(root / folder for folder in searched)):
+    """
+    The project's file that an include means, from the project's root, or None for one from outside. Names that two
+    folders have mean the one of the same part of the project, as for the compiler.
+    """
+    own = source.relative_to(root).parts[0]
+    for folder in (source.parent, *(root / folder for folder in (own, *SEARCHED))):
         found = (folder / name).resolve()
         if found.is_file() and found.is_relative_to(root):
             return found.relative_to(root).as_posix()

@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "loader.h"
+#include "abi/loader.h"
 
 #include <dlfcn.h>
 #include <stdio.h>
