@@ -9,8 +9,11 @@
 #include "../tools/gpu_host.h"
 #include "csm_constants.h"
 #include "forward_code.h"
-#include "forward_depths_glsl.h"
-#include "forward_glsl.h"
+#include "forward_glsl_0.h"
+#include "forward_glsl_1.h"
+#include "forward_glsl_2.h"
+#include "forward_glsl_3.h"
+#include "forward_glsl_4.h"
 #include "loader.h"
 #include "passes/passes.h"
 #include "plan/plan.h"
@@ -23,21 +26,41 @@
 
 enum { WIDTH = 512, HEIGHT = 256, PIXELS = WIDTH * HEIGHT, BOXES = 40, CASCADES = 3, RESOLUTION = 512 };
 enum { FILTERS = CSM_FILTER_GRID_17 + 1 };
-enum { READERS = 4, PICTURES = 1 + READERS }; /* the mask; what a forward shader gives that reads maps in each way */
+enum { READERS = 10, PICTURES = 1 + READERS }; /* the mask; what a forward shader gives that reads maps in each way */
+
+/* Which configurations a shader is made for. */
+enum { FOR_ALL, FOR_FIXED, FOR_POINTS };
 
 /* GLSL is for Vulkan only. Through comparisons alone there is no bilinear depth. */
 static const struct {
   const char *name;
   bool glsl, depths;
+  uint32_t made_for;
   uint32_t sampler_count;
   gpu_sampler samplers[2];
 } readers[READERS] = {
     {"HLSL, loads", .depths = true},
     {"HLSL, gathers", .depths = true, .sampler_count = 1, .samplers = {GPU_SAMPLER_POINT_CLAMP}},
-    {"GLSL, comparisons", .glsl = true, .sampler_count = 1, .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL}},
+    {"HLSL, fixed", .depths = true, .made_for = FOR_FIXED},
+    {"HLSL, two lights", .depths = true, .sampler_count = 1, .samplers = {GPU_SAMPLER_POINT_CLAMP}},
+    {"HLSL, points", .depths = true, .made_for = FOR_POINTS},
+    {"GLSL, comparisons", .glsl = true, .sampler_count = 2, .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL, GPU_SAMPLER_POINT_CLAMP}},
     {"GLSL, depths", .glsl = true, .depths = true, .sampler_count = 2,
      .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL, GPU_SAMPLER_POINT_CLAMP}},
+    {"GLSL, fixed", .glsl = true, .made_for = FOR_FIXED, .sampler_count = 2,
+     .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL, GPU_SAMPLER_POINT_CLAMP}},
+    {"GLSL, two lights", .glsl = true, .depths = true, .sampler_count = 2,
+     .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL, GPU_SAMPLER_POINT_CLAMP}},
+    {"GLSL, points", .glsl = true, .made_for = FOR_POINTS, .sampler_count = 2,
+     .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL, GPU_SAMPLER_POINT_CLAMP}},
 };
+
+/* What the fixed shaders were made with. */
+static const char fixed_defines[] =
+    "#define CSM_FILTER 1\n#define CSM_FILTER_TAPS 3\n#define CSM_FILTER_WEIGHTS 0\n#define CSM_EARLY_OUT 0\n"
+    "#define CSM_BIAS_MODE 1\n#define CSM_BIAS_UNITS 0\n#define CSM_NORMAL_OFFSET 0\n#define CSM_SELECTION 1\n"
+    "#define CSM_OUT_OF_RANGE 0\n#define CSM_BLENDING 0\n#define CSM_MAPS_ALIKE 1\n#define CSM_MAPS_REVERSED 0\n"
+    "#define CSM_CASCADES 3\n";
 
 /* Where things lie in the upload buffer */
 enum {
@@ -74,6 +97,7 @@ typedef struct bench {
   pass_casters casters;
   plan_layout layout;
   gpu_program *cascade_depth, *camera_depth, *mask[2][FILTERS], *forward[READERS];
+  bool fixed, points; /* the plan is one that the shaders of that kind are made for */
   gpu_bindings *mask_bindings, *forward_bindings[READERS];
   plan_instance instances[BOXES + 1];
   plan_scene scene;
@@ -159,7 +183,7 @@ static void write_plane(float out[16], const double view[16], const double proje
   memcpy(&out[12], (const float[]){0, 1, 0, 0}, 16);
 }
 
-static bool make_plan(bench *b, uint32_t filter, uint32_t bias_mode) {
+static csm_config make_config(uint32_t filter, uint32_t bias_mode, bool sloped) {
   csm_config config = {.struct_size = sizeof config};
   plan_config_default(&config);
   config.cascade_count = CASCADES;
@@ -167,10 +191,35 @@ static bool make_plan(bench *b, uint32_t filter, uint32_t bias_mode) {
   config.shadow_distance = 40;
   config.filter = filter;
   config.bias_mode = bias_mode;
+  if (!sloped) {
+    config.bias_slope_texels = 0.0;
+    config.bias_constant_texels = 4.0; /* or all is acne */
+  }
+  return config;
+}
+
+/* What the fixed shaders were made with is what is asked for. */
+static void check_defines(bench *b, const csm_config *config) {
+  char text[1024] = "untouched";
+  size_t size = sizeof fixed_defines - 1;
+  b->fixed = false;
+  if (config->filter != CSM_FILTER_PCF_3X3 || config->bias_mode != CSM_BIAS_RECEIVER_PLANE)
+    return;
+  check(b, plan_shader_defines(config, text, &size) == CSM_ERROR_LIMIT_EXCEEDED && !strcmp(text, "untouched"),
+        "defines that do not fit are not written");
+  check(b, size == sizeof fixed_defines, "their size is told");
+  check(b, plan_shader_defines(config, text, &size) == CSM_SUCCESS && !strcmp(text, fixed_defines), "defines are as expected");
+  check(b, plan_shader_defines(config, NULL, &size) == CSM_SUCCESS && size == sizeof fixed_defines, "their size can be asked");
+  b->fixed = true;
+}
+
+static bool make_plan(bench *b, const csm_config *config) {
+  check_defines(b, config);
+  b->points = config->bias_mode == CSM_BIAS_SLOPE && config->bias_slope_texels == 0.0;
   double view[16], projection[16];
   const char *error = "";
   make_camera(view, projection);
-  const plan_frame_info info = {.config = &config,
+  const plan_frame_info info = {.config = config,
                                 .view = view,
                                 .projection = projection,
                                 .light = (const double[]){0.4, -1, 0.25},
@@ -182,7 +231,7 @@ static bool make_plan(bench *b, uint32_t filter, uint32_t bias_mode) {
 
   char *upload = b->gpu.api->buffer_memory(b->upload);
   write_plane((float *)(upload + AT_PLANE), view, projection);
-  plan_write_constants((float *)(upload + AT_BLOCKS), &b->frame, &config);
+  plan_write_constants((float *)(upload + AT_BLOCKS), &b->frame, config);
   plan_write_mask_constants((float *)(upload + AT_BLOCKS + MASK_CASCADES_BLOCK), &b->frame, &b->frame.camera, WIDTH,
                             HEIGHT, false, CSM_VIEW_SHADOW);
   plan_write_view_matrices((float *)(upload + AT_VIEW), &b->view, &b->frame.camera, &b->scene);
@@ -240,8 +289,14 @@ static csm_result make_forward(bench *b, uint32_t reader, gpu_program **out) {
   const gpu_code codes[READERS] = {
       shader_forward_ps,
       shader_forward_gathers_ps,
-      {.spirv = forward_glsl, .spirv_size = sizeof forward_glsl},
-      {.spirv = forward_depths_glsl, .spirv_size = sizeof forward_depths_glsl},
+      shader_forward_fixed_ps,
+      shader_forward_two_ps,
+      shader_forward_point_ps,
+      {.spirv = forward_glsl_0, .spirv_size = sizeof forward_glsl_0},
+      {.spirv = forward_glsl_1, .spirv_size = sizeof forward_glsl_1},
+      {.spirv = forward_glsl_2, .spirv_size = sizeof forward_glsl_2},
+      {.spirv = forward_glsl_3, .spirv_size = sizeof forward_glsl_3},
+      {.spirv = forward_glsl_4, .spirv_size = sizeof forward_glsl_4},
   };
   if (readers[reader].glsl && strcmp(b->gpu.api->name, "vulkan"))
     return CSM_SUCCESS;
@@ -265,6 +320,11 @@ static csm_result make_forward(bench *b, uint32_t reader, gpu_program **out) {
   return b->gpu.api->bindings_create(b->gpu.device, &inputs, &b->forward_bindings[reader]);
 }
 
+static csm_result make_mask(bench *b, uint32_t filter, uint32_t bias) {
+  const csm_config config = make_config(filter, bias, true);
+  return mask_program(b->gpu, mask_key(&config, false, CSM_VIEW_SHADOW), false, &b->mask[bias][filter]);
+}
+
 static csm_result make_programs(bench *b) {
   csm_config config = {.struct_size = sizeof config};
   plan_config_default(&config);
@@ -279,7 +339,7 @@ static csm_result make_programs(bench *b) {
   for (uint32_t filter = 0; filter < FILTERS && !result; ++filter)
     for (uint32_t bias = 0; bias < 2 && !result; ++bias)
       if (!bias || filter != CSM_FILTER_LINEAR_DEPTH)
-        result = mask_program(b->gpu, &(mask_kind){.filter = filter, .plane = bias}, &b->mask[bias][filter]);
+        result = make_mask(b, filter, bias);
   if (!result) {
     const gpu_bindings_info inputs = mask_inputs(b->mask[0][0], b->upload, b->maps, b->depth, NULL);
     result = b->gpu.api->bindings_create(b->gpu.device, &inputs, &b->mask_bindings);
@@ -397,7 +457,9 @@ static uint32_t differing(const uint8_t *a, const uint8_t *b, int more_than, int
 
 /* The contract's tolerance: 1/255 on all but 0.01 % of the pixels. */
 static void compare_forward(bench *b, uint32_t filter, uint32_t bias_mode, uint32_t reader) {
-  if (!b->forward[reader] || (filter == CSM_FILTER_LINEAR_DEPTH && !readers[reader].depths))
+  const uint32_t made_for = readers[reader].made_for;
+  if (!b->forward[reader] || (filter == CSM_FILTER_LINEAR_DEPTH && !readers[reader].depths) ||
+      (made_for == FOR_FIXED && !b->fixed) || (made_for == FOR_POINTS && !b->points))
     return;
   const uint8_t *mask = b->gpu.api->buffer_memory(b->readback);
   int largest;
@@ -423,13 +485,19 @@ static void check_mask(bench *b, uint32_t filter) {
         "the mask has shadows");
 }
 
-static void compare_filter(bench *b, uint32_t filter, uint32_t bias_mode, uint8_t *mask) {
-  if (!make_plan(b, filter, bias_mode) || !check(b, draw(b, filter, bias_mode) == CSM_SUCCESS, "drawing"))
+static void compare_filter(bench *b, const csm_config *config, uint8_t *mask) {
+  const uint32_t filter = config->filter, bias_mode = config->bias_mode;
+  if (!make_plan(b, config) || !check(b, draw(b, filter, bias_mode) == CSM_SUCCESS, "drawing"))
     return;
   check_mask(b, filter);
   for (uint32_t reader = 0; reader < READERS; ++reader)
     compare_forward(b, filter, bias_mode, reader);
   memcpy(mask, b->gpu.api->buffer_memory(b->readback), PIXELS);
+}
+
+static void compare_with(bench *b, uint32_t filter, uint32_t bias_mode, bool sloped, uint8_t *mask) {
+  const csm_config config = make_config(filter, bias_mode, sloped);
+  compare_filter(b, &config, mask);
 }
 
 /* No filter is drawn in place of another. */
@@ -449,8 +517,9 @@ static void run(bench *b) {
     for (uint32_t bias_mode = 0; bias_mode < 2; ++bias_mode)
       for (uint32_t filter = 0; filter < FILTERS; ++filter)
         if (!bias_mode || filter != CSM_FILTER_LINEAR_DEPTH) /* which has no texels for a plane */
-          compare_filter(b, filter, bias_mode, masks[bias_mode][filter]);
+          compare_with(b, filter, bias_mode, true, masks[bias_mode][filter]);
     compare_masks(b, masks[0]);
+    compare_with(b, CSM_FILTER_PCF_3X3, CSM_BIAS_SLOPE, false, masks[0][0]);
   }
   free_objects(b);
   test_release(NULL, b->frame_memory);

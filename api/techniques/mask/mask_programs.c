@@ -12,21 +12,11 @@ typedef struct mask_key {
   uint64_t normals;
 } mask_key;
 
-static bool maps_alike(const csm_config *config) {
-  if (config->map_layout != CSM_LAYOUT_ARRAY)
-    return false;
-  for (uint32_t i = 1; i < config->cascade_count; ++i)
-    if (plan_resolution(config, i) != plan_resolution(config, 0))
-      return false;
-  return true;
-}
-
 /* Whether the programs do that leave out what few configurations ask for. */
 static bool is_plain(const csm_config *config) {
-  const bool texels_only = config->bias_constant_m == 0.0 && config->bias_slope_range == 0.0 &&
-                           config->bias_limit_range == 0.0 && config->bias_normal_texels == 0.0;
   return config->cascade_count <= PLAIN_CASCADES && config->selection == CSM_SELECT_MAP &&
-         config->blend_mode == CSM_BLEND_OFF && texels_only && !config->map_reversed && maps_alike(config);
+         config->blend_mode == CSM_BLEND_OFF && config->bias_normal_texels == 0.0 && plan_bias_in_texels(config) &&
+         !config->map_reversed && plan_maps_alike(config);
 }
 
 static uint64_t variant_of(const csm_config *config, bool normals) {
