@@ -191,6 +191,10 @@ typedef struct gpu_geometry {
   uint64_t vertex_offset, index_offset;
   uint64_t uv_offset; /* in the vertices' buffer */
   uint32_t vertex_stride, uv_stride;
+  /* The front checks uvs by these, since it knows whether they are read: the device's largest stride, and the size of
+     the vertices' buffer in bytes, 0 where the API does not tell. */
+  uint32_t largest_stride;
+  uint64_t vertices_size;
 } gpu_geometry;
 
 /* ---- images ---- */
