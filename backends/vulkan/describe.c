@@ -103,6 +103,7 @@ static void describe_abilities(gpu_device *device, const VkPhysicalDeviceLimits 
   const uint32_t anisotropy = (uint32_t)limits->maxSamplerAnisotropy;
   can->max_anisotropy = device->features.samplerAnisotropy ? minimum(anisotropy, GPU_MAX_ANISOTROPY) : 1;
   can->max_storage_size = limits->maxStorageBufferRange;
+  can->max_buffers = minimum(limits->maxPerStageDescriptorStorageBuffers, GPU_MAX_BUFFERS + GPU_MAX_STORES);
   can->indirect = true;
   can->pixel_stores = device->features.fragmentStoresAndAtomics;
   can->bias_clamp = device->features.depthBiasClamp;
@@ -122,9 +123,9 @@ csm_result vulkan_describe_physical(gpu_device *device) {
   info->type = vulkan_device_type(properties->deviceType);
   info->required = "Vulkan 1.1 (instance and device); depthClamp; D32_SFLOAT as a depth target and a texture; a "
                    "graphics queue";
-  info->optional = "depthBiasClamp: a bias by the rasterizer that has an end; samplerAnisotropy: anisotropic filters; "
+  info->optional = "depthBiasClamp: a clamp of the rasterizer's bias; samplerAnisotropy: anisotropic filters; "
                    "fragmentStoresAndAtomics: pixel shaders that write buffers; shaderStorageImageExtendedFormats: "
-                   "compute shaders that write images of one or two channels; compute on the queue; "
+                   "more formats that compute shaders write; compute on the queue; "
                    "VK_KHR_dynamic_rendering: passes without render passes; VK_EXT_debug_utils (instance): names and "
                    "markers; VK_EXT_memory_budget: what memory is left; VK_KHR_driver_properties: the driver's name; "
                    "timestamps on the queue: GPU times";
