@@ -208,7 +208,7 @@ typedef struct gpu_image_info {
   gpu_format format;
   uint32_t usage; /* GPU_IMAGE_* */
   uint32_t width, height, layers;
-  bool array;      /* shaders see it as an array, even with one layer */
+  bool array;      /* shaders see it as an array, even with one layer; several layers are always one */
   uint32_t levels; /* 0 means 1; level n has half the size of level n - 1, rounded down, at least 1 */
 } gpu_image_info;
 
@@ -247,12 +247,12 @@ typedef struct gpu_native_image {
   uint64_t sampler_reversed; /* GPU_SAMPLER_COMPARE_GREATER_EQUAL */
 } gpu_native_image;
 
-/* A part of an image as shaders see it. A shader's level 0 and layer 0 are the first of the range. */
+/* A part of an image as shaders see it: an array if the image is one, for Direct3D 12 has no other views of an array's
+   layers. A shader's level 0 and layer 0 are the first of the range. */
 typedef struct gpu_view_info {
   const char *name;
   gpu_image *image; /* with GPU_IMAGE_SAMPLED or GPU_IMAGE_STORED, and not an engine's */
   gpu_range range;  /* one level, if it is to be written */
-  bool array;       /* shaders see an array; false: of one layer */
 } gpu_view_info;
 
 /* What draws go into: one {layer, level} of a depth image, or of a colour image, or of both in one size. */
@@ -422,7 +422,8 @@ typedef struct gpu_indirect_draw {
 } gpu_indirect_draw;
 
 typedef struct gpu_indirect_indexed {
-  uint32_t count, instance_count, first; /* first counts from gpu_draw.index_offset */
+  uint32_t count, instance_count;
+  uint32_t first; /* from the index buffer's beginning: gpu_draw.index_offset must be 0 */
   int32_t vertex_offset;
   uint32_t first_instance;
 } gpu_indirect_indexed;

@@ -21,6 +21,6 @@ float main(mask_inputs pixel) : SV_Target
 #if CSM_NORMAL_OFFSET != 0
     normal = unit(normal);
 #endif
-    float lit = csm_visibility_of(csm_receiver_of(at, normal, csm_dot(mask_c[CSM_M_DEPTH].xyz, at)));
+    float lit = csm_visibility_of(csm_receiver_of(at, normal, light_view_depth(at)));
     return depth == mask_c[CSM_M_CLEAR].x ? 1.0 : lit;
 }

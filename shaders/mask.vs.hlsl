@@ -28,13 +28,13 @@ mask_inputs main(uint vertex : SV_VertexID)
     o.normal_0 = mask_c[NORMAL_ROWS];
     o.normal_1 = mask_c[NORMAL_ROWS + 1];
     o.normal_2 = mask_c[NORMAL_ROWS + 2];
-    o.scale_0 = csm_c[CSM_C_SCALES];
-    o.scale_1 = csm_c[CSM_C_SCALES + 1];
-    o.scale_2 = csm_c[CSM_C_SCALES + 2];
-    o.scale_3 = csm_c[CSM_C_SCALES + 3];
-    o.offset_0 = csm_c[CSM_C_OFFSETS];
-    o.offset_1 = csm_c[CSM_C_OFFSETS + 1];
-    o.offset_2 = csm_c[CSM_C_OFFSETS + 2];
-    o.offset_3 = csm_c[CSM_C_OFFSETS + 3];
+    o.scale_0 = float4(csm_c[CSM_C_SCALES].xyz, csm_c[CSM_S_BIAS].x);
+    o.scale_1 = float4(csm_c[CSM_C_SCALES + 1].xyz, csm_c[CSM_S_BIAS].y);
+    o.scale_2 = float4(csm_c[CSM_C_SCALES + 2].xyz, csm_c[CSM_S_BIAS].z);
+    o.scale_3 = float4(csm_c[CSM_C_SCALES + 3].xyz, csm_c[CSM_S_UNITS].x);
+    o.offset_0 = float4(csm_c[CSM_C_OFFSETS].xyz, mask_c[CSM_M_DEPTH].x);
+    o.offset_1 = float4(csm_c[CSM_C_OFFSETS + 1].xyz, mask_c[CSM_M_DEPTH].y);
+    o.offset_2 = float4(csm_c[CSM_C_OFFSETS + 2].xyz, mask_c[CSM_M_DEPTH].z);
+    o.offset_3 = float4(csm_c[CSM_C_OFFSETS + 3].xyz, csm_c[CSM_C_PARAMS].y);
     return o;
 }

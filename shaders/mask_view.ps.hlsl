@@ -18,7 +18,7 @@ float main(mask_inputs pixel) : SV_Target
     float depth = camera_depth.Load(int3(int2(place), 0));
     float2 steps = depth_steps(place, depth);
     float3 at = light_position(place, depth), normal = unit(plane_normal(place, depth, steps));
-    csm_choice choice = csm_choose(csm_receiver_of(at, normal, csm_dot(mask_c[CSM_M_DEPTH].xyz, at)));
+    csm_choice choice = csm_choose(csm_receiver_of(at, normal, light_view_depth(at)));
     // Half the logarithm of the square; rounded here, so that no format has a say in it
     float4 scale = csm_c[CSM_C_SCALES + choice.first.cascade];
     float side = csm_rect(choice.first).z;

@@ -6,8 +6,10 @@
 static csm_result check_owner(csm_context *context, const csm_read_info *info) {
   host *host = &context->host;
   const bool map = info->source == CSM_READ_MAP;
-  if (info->source > CSM_READ_CAMERA_DEPTH || info->reserved)
+  if (info->source > CSM_READ_CAMERA_DEPTH)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_read_info: there is no source %u", info->source);
+  if (info->reserved)
+    return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_read_info: reserved is %u, not 0", info->reserved);
   if (map ? !info->cascades : !info->view)
     return host_fail(host, CSM_ERROR_NULL_POINTER, "csm_read_info: %s is NULL", map ? "cascades" : "view");
   if (map ? !cascades_known(context, info->cascades) : !view_known(context, info->view))

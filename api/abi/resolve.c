@@ -17,10 +17,10 @@ static csm_result check_info(csm_context *context, const csm_mask_info *info) {
   host *host = &context->host;
   if (info->flags & ~(uint32_t)CSM_FRAME_TIMESTAMPS)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_mask_info: unknown flags %x", info->flags);
-  if (info->show > CSM_SHOW_DENSITY || info->reserved)
-    return host_fail(host, CSM_ERROR_INVALID_VALUE,
-                     info->reserved ? "csm_mask_info: reserved is %u, not 0" : "csm_mask_info: there is no show %u",
-                     info->reserved ? info->reserved : info->show);
+  if (info->show > CSM_SHOW_DENSITY)
+    return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_mask_info: there is no show %u", info->show);
+  if (info->reserved)
+    return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_mask_info: reserved is %u, not 0", info->reserved);
   if (context_device(context)->own && (info->camera_depth || info->normals))
     return host_fail(host, CSM_ERROR_UNSUPPORTED, "csm_mask_info: %s needs an engine's device",
                      info->camera_depth ? "camera_depth" : "normals");

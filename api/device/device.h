@@ -169,9 +169,9 @@ csm_result device_image(device *device, const gpu_image_info *info, gpu_image **
 void device_image_free(device *device, gpu_image *image);
 /* From one row of an image to the next where it lies in a buffer, in bytes: as copies want it. */
 uint32_t device_row_bytes(uint32_t width, gpu_format format);
-/* An image of one layer to be drawn into, sampled and read, and the target on it; neither is left if one fails. */
-csm_result device_drawn_image(device *device, const char *name, gpu_format format, uint32_t width, uint32_t height,
-                              gpu_image **image, gpu_target **target);
+/* An image of one layer to be drawn into, sampled and read, and the target on it; neither is left if one fails. `wanted`
+   has name, format, width and height. */
+csm_result device_drawn_image(device *device, const gpu_image_info *wanted, gpu_image **image, gpu_target **target);
 
 /* ---- retire.c ---- */
 

@@ -69,22 +69,16 @@ uint32_t device_row_bytes(uint32_t width, gpu_format format) {
   return (width * gpu_format_bytes(format) + row_alignment - 1) / row_alignment * row_alignment;
 }
 
-csm_result device_drawn_image(device *device, const char *name, gpu_format format, uint32_t width, uint32_t height,
-                              gpu_image **image, gpu_target **target) {
-  const gpu_image_info info = {
-      .name = name,
-      .format = format,
-      .usage = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED | GPU_IMAGE_COPY_SOURCE,
-      .width = width,
-      .height = height,
-      .layers = 1,
-  };
+csm_result device_drawn_image(device *device, const gpu_image_info *wanted, gpu_image **image, gpu_target **target) {
+  gpu_image_info info = *wanted;
+  info.usage = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED | GPU_IMAGE_COPY_SOURCE;
+  info.layers = 1;
   csm_result result = device_image(device, &info, image);
   if (result)
     return result;
-  const bool depth = gpu_format_is_depth(format);
-  const gpu_target_info on = {.name = name, .depth = depth ? *image : NULL, .color = depth ? NULL : *image};
-  result = device_check(device, gpu_target_create(device->gpu, &on, target), name);
+  const bool depth = gpu_format_is_depth(info.format);
+  const gpu_target_info on = {.name = info.name, .depth = depth ? *image : NULL, .color = depth ? NULL : *image};
+  result = device_check(device, gpu_target_create(device->gpu, &on, target), info.name);
   if (result) {
     device_image_free(device, *image);
     *image = NULL;

@@ -1,6 +1,8 @@
 /* cull.c: which instances a map or a camera can see. */
 #include "plan/internal.h"
 
+#include <string.h>
+
 /* ---- the scene's bounds ---- */
 
 void plan_scene_bounds(plan_scene_box *out, const double basis[9], const plan_scene *scene) {
@@ -43,18 +45,29 @@ static bool outside_hull(const plan_hull *hull, const plan_light_block *block, u
   return outside;
 }
 
+/* Two slots at a time, which is what every processor's vectors hold. */
+typedef double double_pair __attribute__((vector_size(16)));
+typedef int64_t slot_pair __attribute__((vector_size(16)));
+
+static inline double_pair two_of(const double *values) {
+  double_pair pair;
+  memcpy(&pair, values, sizeof pair);
+  return pair;
+}
+
 /*
  * A caster is kept if its bounds, swept towards the light, meet what the map covers: there is no test at the near
  * plane. The rasteriser draws where texels' centres are covered, half a texel inside the area, so the area itself has
  * that much room for rounding.
  */
-static void meet_area(uint64_t meets[PLAN_BLOCK], const plan_light_block *block, const plan_area *area, uint32_t list) {
-  const uint64_t bit = (uint64_t)1 << list;
-  for (uint32_t i = 0; i < PLAN_BLOCK; ++i) {
-    const bool inside = (block->low[0][i] <= area->max[0]) & (block->high[0][i] >= area->min[0]) &
-                        (block->low[1][i] <= area->max[1]) & (block->high[1][i] >= area->min[1]) &
-                        (block->low[2][i] <= area->depth[1]);
-    meets[i] |= inside ? bit : 0;
+static void meet_area(slot_pair meets[PLAN_BLOCK / 2], const plan_light_block *block, const plan_area *area,
+                      uint32_t list) {
+  for (uint32_t i = 0; i < PLAN_BLOCK; i += 2) {
+    const slot_pair inside =
+        (two_of(&block->low[0][i]) <= area->max[0]) & (two_of(&block->high[0][i]) >= area->min[0]) &
+        (two_of(&block->low[1][i]) <= area->max[1]) & (two_of(&block->high[1][i]) >= area->min[1]) &
+        (two_of(&block->low[2][i]) <= area->depth[1]);
+    meets[i / 2] |= inside & ((int64_t)1 << list);
   }
 }
 
@@ -76,9 +89,11 @@ static void note(plan_lists *lists, const plan_light_cull *cull, const plan_inst
 
 static void cull_block(plan_lists *lists, const plan_light_cull *cull, const plan_scene *scene,
                        const plan_light_block *block, uint32_t first) {
-  uint64_t meets[PLAN_BLOCK] = {0};
+  slot_pair pairs[PLAN_BLOCK / 2] = {0};
+  int64_t meets[PLAN_BLOCK];
   for (uint32_t i = 0; i < lists->count; ++i)
-    meet_area(meets, block, &cull->areas[i], i);
+    meet_area(pairs, block, &cull->areas[i], i);
+  memcpy(meets, pairs, sizeof meets);
   for (uint32_t i = 0; i < PLAN_BLOCK; ++i) {
     if (!meets[i])
       continue;

@@ -259,10 +259,17 @@ void plan_write_view_matrices(float *out, const plan_list *list, const plan_came
 
 /* The block that shaders/include/csm_constants.h lays out, relative to frame->origin. Returns its bytes. */
 uint32_t plan_write_constants(float *out, const plan_frame *frame, const csm_config *config);
-/* The block of the mask pass: how `camera`'s clip space maps to world positions relative to frame->origin;
- * `view` is CSM_VIEW_*. */
-uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_camera *camera, uint32_t width,
-                                   uint32_t height, bool unorm_normals, uint32_t view);
+/* What a mask is drawn for. */
+typedef struct plan_picture {
+  const plan_camera *camera;
+  uint32_t width, height; /* in pixels */
+  uint32_t show;          /* CSM_SHOW_* */
+  bool unorm_normals;     /* the engine's normals are normalised integers */
+} plan_picture;
+
+/* The block of the mask pass: how the picture's pixels map to light space, relative to frame->origin. Returns its
+   bytes. */
+uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_picture *picture);
 
 /* The text of csm_shader_defines: returns its bytes, the final 0 included, and writes no more than `size` of them. */
 size_t plan_shader_defines(const csm_config *config, char *text, size_t size);

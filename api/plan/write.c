@@ -34,12 +34,10 @@ static void put_cascade(float *out, uint32_t index, const plan_frame *frame, con
   double scale[3], offset[3];
   for (uint32_t axis = 0; axis < 3; ++axis) {
     scale[axis] = cascade->to_clip[axis * 5];
-    offset[axis] =
-        scale[axis] * plan_dot(&frame->basis[axis * 3], frame->origin) + cascade->to_clip[axis * 4 + 3];
+    offset[axis] = scale[axis] * plan_dot(&frame->basis[axis * 3], frame->origin) + cascade->to_clip[axis * 4 + 3];
   }
-  const double metre = 1.0 / cascade->info.depth_range;
-  put(out, CSM_C_SCALES + index, scale[0], scale[1], scale[2], cascade->texel[0] * metre);
-  put(out, CSM_C_OFFSETS + index, offset[0], offset[1], offset[2], cascade->texel[1] * metre);
+  put(out, CSM_C_SCALES + index, scale[0], scale[1], scale[2], 0.0);
+  put(out, CSM_C_OFFSETS + index, offset[0], offset[1], offset[2], 0.0);
   out[CSM_C_GRID * 4 + index] = plan_float(grid_place(cascade));
 }
 
@@ -59,8 +57,8 @@ static void put_maps(float *out, const plan_frame *frame, const csm_config *conf
     const plan_cascade *cascade = &frame->cascades[index];
     const plan_rect *rect = &layout.rects[index];
     put(out, CSM_C_RECTS + i, rect->x, rect->y, rect->side, rect->layer);
-    put(out, CSM_C_TEXELS + i, cascade->info.texel_size, 1.0 / cascade->info.depth_range, 1.0 - 2.0 * border / rect->side,
-        cascade->texel[0] * cascade->texel[1]);
+    put(out, CSM_C_TEXELS + i, cascade->info.texel_size, 1.0 / cascade->info.depth_range,
+        1.0 - 2.0 * border / rect->side, cascade->texel[0] * cascade->texel[1]);
     out[CSM_C_SPLITS * 4 + i] = plan_float(cascade->info.far_depth);
     if (i == index)
       put_cascade(out, i, frame, cascade);
@@ -159,17 +157,17 @@ static void clip_to_relative(double out[16], const plan_frame *frame, const plan
 }
 
 /* How a camera's pixels and light space belong together: CSM_M_LIGHT, CSM_M_PLANES and CSM_M_NORMALS. */
-static void put_pixels(float *out, const plan_frame *frame, const plan_camera *camera, uint32_t width, uint32_t height,
-                       bool unorm_normals) {
+static void put_pixels(float *out, const plan_frame *frame, const plan_picture *picture) {
+  const plan_camera *camera = picture->camera;
   double pixels[16], clip[16], relative[16], to_pixels[16], to_relative[16];
-  clip_and_pixels(pixels, clip, width, height);
+  clip_and_pixels(pixels, clip, picture->width, picture->height);
   relative_to_clip(relative, frame, camera);
   plan_multiply(to_pixels, pixels, relative);
   clip_to_relative(relative, frame, camera);
   plan_multiply(to_relative, relative, clip);
   /* A plane's value grows towards what has less depth, which is the viewer's side unless depth is reversed */
   const double viewer = camera->reversed ? -1.0 : 1.0;
-  const double decode = unorm_normals ? 2.0 : 1.0, middle = unorm_normals ? -1.0 : 0.0;
+  const double decode = picture->unorm_normals ? 2.0 : 1.0, middle = picture->unorm_normals ? -1.0 : 0.0;
   for (uint32_t axis = 0; axis < 3; ++axis) {
     const double *a = &frame->basis[axis * 3];
     double light[4], plane[4];
@@ -184,13 +182,13 @@ static void put_pixels(float *out, const plan_frame *frame, const plan_camera *c
   put(out, CSM_M_LIGHT + 3, to_relative[3], to_relative[7], to_relative[11], to_relative[15]);
 }
 
-uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_camera *camera, uint32_t width,
-                                   uint32_t height, bool unorm_normals, uint32_t view) {
+uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_picture *picture) {
+  const double width = picture->width, height = picture->height;
   double forward[3];
   const double depth = look(forward, frame);
-  put_pixels(out, frame, camera, width, height, unorm_normals);
+  put_pixels(out, frame, picture);
   put(out, CSM_M_SIZE, width, height, 1.0 / width, 1.0 / height);
-  put(out, CSM_M_CLEAR, camera->reversed ? 0.0 : 1.0, view, 0.0, 0.0);
+  put(out, CSM_M_CLEAR, picture->camera->reversed ? 0.0 : 1.0, picture->show, 0.0, 0.0);
   put(out, CSM_M_DEPTH, plan_dot(forward, &frame->basis[0]), plan_dot(forward, &frame->basis[3]),
       plan_dot(forward, &frame->basis[6]), depth);
   return CSM_M_COUNT * 4 * sizeof(float);

@@ -10,7 +10,8 @@ static csm_result check_info(host *host, csm_alpha_mask_info *info) {
     return host_fail(host, CSM_ERROR_NULL_POINTER, "csm_alpha_mask_info: texels is NULL");
   if (!info->row_stride)
     info->row_stride = info->width;
-  const char *wrong = info->flags || info->reserved                  ? "flags"
+  const char *wrong = info->flags                                    ? "flags"
+                      : info->reserved                               ? "reserved"
                       : !info->width || info->width > largest_side   ? "width"
                       : !info->height || info->height > largest_side ? "height"
                       : info->wrap_u > CSM_WRAP_MIRROR               ? "wrap_u"

@@ -15,7 +15,8 @@ csm_result drawn_image_reserve(drawn_images *images, device *device, const char 
   if (!fresh)
     return CSM_ERROR_OUT_OF_MEMORY;
   *fresh = (drawn_image){.format = format, .width = width, .height = height};
-  const csm_result result = device_drawn_image(device, name, format, width, height, &fresh->image, &fresh->target);
+  const gpu_image_info info = {.name = name, .format = format, .width = width, .height = height};
+  const csm_result result = device_drawn_image(device, &info, &fresh->image, &fresh->target);
   if (result) {
     host_release(device->host, fresh);
     return result;

@@ -10,26 +10,25 @@ static void imported_free(device *device, retired *self) {
   host_release(device->host, self);
 }
 
-csm_result engine_image_import(device *device, const void *native, uint32_t width, uint32_t height, const char *name,
-                               gpu_image **out, bool *unorm) {
-  *out = NULL;
-  if (!native)
+csm_result engine_image_import(device *device, const engine_image *from, engine_imported *out) {
+  *out = (engine_imported){0};
+  if (!from->native)
     return CSM_SUCCESS;
   imported_image *imported = host_allocate(device->host, sizeof *imported);
   if (!imported)
     return CSM_ERROR_OUT_OF_MEMORY;
   gpu_imported about = {0};
-  const csm_result result = device_check(device, gpu_image_import(device->gpu, native, &imported->image, &about), name);
+  const csm_result result =
+      device_check(device, gpu_image_import(device->gpu, from->native, &imported->image, &about), from->name);
   if (result) {
     host_release(device->host, imported);
     return result;
   }
   retire(device, &imported->retired, imported_free);
   imported->retired.serial = device->prepared.serial;
-  if (about.width != width || about.height != height)
-    return host_fail(device->host, CSM_ERROR_INVALID_VALUE, "%s is %u x %u, and the mask %u x %u", name, about.width,
-                     about.height, width, height);
-  *unorm = about.unorm;
-  *out = imported->image;
+  if (about.width != from->width || about.height != from->height)
+    return host_fail(device->host, CSM_ERROR_INVALID_VALUE, "%s is %u x %u, and the mask %u x %u", from->name,
+                     about.width, about.height, from->width, from->height);
+  *out = (engine_imported){.image = imported->image, .unorm = about.unorm};
   return CSM_SUCCESS;
 }

@@ -4,11 +4,21 @@
 
 #include "device/device.h"
 
+typedef struct engine_image {
+  const void *native;     /* csm_vulkan_image, csm_d3d12_image, or NULL */
+  const char *name;       /* for errors */
+  uint32_t width, height; /* that it must have */
+} engine_image;
+
+typedef struct engine_imported {
+  gpu_image *image; /* NULL: there is none */
+  bool unorm;       /* its texels are normalised integers */
+} engine_imported;
+
 /*
- * Takes an image of this size in until the frame that is about to be recorded is done; *out is NULL if `native` is.
+ * Takes an image in until the frame that is about to be recorded is done.
  * Errors: those of gpu_image_import, and INVALID_VALUE (another size).
  */
-csm_result engine_image_import(device *device, const void *native, uint32_t width, uint32_t height, const char *name,
-                               gpu_image **out, bool *unorm);
+csm_result engine_image_import(device *device, const engine_image *from, engine_imported *out);
 
 #endif

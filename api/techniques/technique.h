@@ -45,10 +45,10 @@ typedef struct technique_picture {
 typedef struct technique_run {
   device *device;
   const csm_config *config;
-  const plan_frame *plan;      /* of the cascades */
-  const void *constants;    /* csm_constants of csm_constants.h */
-  uint32_t constants_size;  /* in bytes */
-  const csm_frame *frame;      /* frame, command_buffer, draw */
+  const plan_frame *plan;  /* of the cascades */
+  const void *constants;   /* csm_constants of csm_constants.h */
+  uint32_t constants_size; /* in bytes */
+  const csm_frame *frame;  /* frame, command_buffer, draw */
   bool timestamps;
   technique_set *cascades;
   const plan_scene *scene;    /* what the plan's lists are of; NULL for a picture */

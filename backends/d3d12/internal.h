@@ -45,7 +45,7 @@ typedef HRESULT(WINAPI *d3d12_serializer)(const D3D12_ROOT_SIGNATURE_DESC *signa
 /* A resource and what it lies in. */
 typedef struct d3d12_resource {
   ID3D12Resource *handle;
-  csm_d3d12_memory memory; /* the engine's; no heap: the resource is a committed one */
+  csm_d3d12_memory memory; /* the engine's; no heap: a committed resource */
   uint64_t bytes;
 } d3d12_resource;
 
@@ -57,8 +57,8 @@ struct gpu_buffer {
   D3D12_GPU_VIRTUAL_ADDRESS address;
   void *mapped;
   D3D12_RESOURCE_STATES state;
-  D3D12_RESOURCE_STATES readable;    /* every state that its usage lets it be read in by draws and dispatches */
-  uint64_t copied_begin, copied_end; /* what was copied here since the last barrier lies between; end 0: nothing */
+  D3D12_RESOURCE_STATES readable;    /* all in which draws and dispatches may read it, by its usage */
+  uint64_t copied_begin, copied_end; /* the bytes that copies wrote since the last barrier; end 0: none */
   bool used;                         /* in the current recording, and in its list */
   gpu_buffer *next_used;
 };
@@ -80,7 +80,6 @@ struct gpu_image {
 struct gpu_view {
   gpu_image *image;
   gpu_range range; /* no count is 0 */
-  bool array;
 };
 
 struct gpu_target {
@@ -94,7 +93,7 @@ struct gpu_program {
   ID3D12RootSignature *signature;
   ID3D12PipelineState *pipeline;
   uint32_t constants_count, texture_count, buffer_count, store_image_count, store_buffer_count;
-  bool has_table; /* a root parameter after the constants, with all that is no constants */
+  bool has_table; /* the root parameter after the constants, for all else */
   uint32_t stream_count;
   uint32_t strides[GPU_MAX_STREAMS];
 };
@@ -137,7 +136,7 @@ struct gpu_device {
   ID3D12Fence *fence;
   uint64_t fence_value;
   d3d12_serializer serialize;                  /* the engine's, as is the allocator */
-  csm_d3d12_allocate_function allocate_memory; /* NULL: resources have memory of their own */
+  csm_d3d12_allocate_function allocate_memory; /* NULL: resources are committed ones */
   csm_d3d12_free_function free_memory;
   void *memory_user;
 
@@ -153,7 +152,7 @@ struct gpu_device {
 
   ID3D12CommandSignature *commands[D3D12_COMMANDS];
 
-  /* Where the CPU is the device: D3D12_FILL_PARTS of texels, to clear by copies; else NULL */
+  /* D3D12_FILL_PARTS of texels, to clear depths by copies where the CPU is the device; else NULL */
   gpu_buffer *fill;
 
   /* GPU_MAX_TIMESTAMPS for each slot */
@@ -280,7 +279,7 @@ csm_result d3d12_wait(gpu_device *device, uint32_t slot);
 csm_result d3d12_timestamps(gpu_device *device, uint32_t slot, uint32_t first, uint32_t count, uint64_t *nanoseconds);
 
 /* ---- state.c ---- */
-/* Records the barriers that were gathered; due before a command that depends on them. */
+/* Records the barriers that were gathered, before a command that depends on them. */
 void d3d12_flush_barriers(gpu_device *device);
 /* Takes a range of an image, NULL for all, into a state. Where shaders have written it, they write again in order. */
 void d3d12_image_use(gpu_device *device, gpu_image *image, const gpu_range *part, D3D12_RESOURCE_STATES state);

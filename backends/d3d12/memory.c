@@ -1,11 +1,10 @@
 /*
- * memory.c: resources and what they lie in. A committed resource takes an allocation of the driver's, and the front
- * makes few and large ones: pages of geometry, a ring per slot, arrays of maps. Where an engine has an allocator, each
- * is placed where that says.
+ * memory.c: resources and what they lie in. Each committed resource is an allocation of the driver's; the front makes
+ * few and large ones. Where an engine has an allocator, each resource is placed where that says.
  */
 #include "internal.h"
 
-/* What a heap must allow that holds a resource of this kind and no other, as every device knows such heaps. */
+/* Of a heap that holds this kind of resource and no other, which every device can make. */
 static D3D12_HEAP_FLAGS heap_flags(const D3D12_RESOURCE_DESC *description) {
   const D3D12_RESOURCE_FLAGS target = D3D12_RESOURCE_FLAG_ALLOW_RENDER_TARGET | D3D12_RESOURCE_FLAG_ALLOW_DEPTH_STENCIL;
   return description->Dimension == D3D12_RESOURCE_DIMENSION_BUFFER ? D3D12_HEAP_FLAG_ALLOW_ONLY_BUFFERS

@@ -67,7 +67,7 @@ void d3d12_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint3
   d3d12_buffer_use_target(device, to, offset, (uint64_t)row_bytes * from->height);
   d3d12_image_use(device, image, &(gpu_range){from->layer, 1, from->level, 1}, D3D12_RESOURCE_STATE_COPY_SOURCE);
   d3d12_flush_barriers(device);
-  /* Depths take no box: a whole layer is all that may be copied of them. */
+  /* Direct3D 12 copies no part of a layer of depths, so these take no box. */
   ID3D12GraphicsCommandList_CopyTextureRegion(device->list, &target, 0, 0, 0, &source,
                                               gpu_format_is_depth(image->format) ? NULL : &box);
 }

@@ -95,8 +95,8 @@ static D3D12_RESOURCE_FLAGS image_flags(const gpu_image_info *info) {
   return flags;
 }
 
-/* An image begins in COMMON, and its first use is a barrier: vkd3d moves an image out of Vulkan's undefined layout with
-   a barrier, but not when a descriptor reads or writes it. */
+/* An image begins in COMMON, so its first use is a barrier. With that vkd3d moves it out of Vulkan's undefined layout,
+   which it does not when a descriptor reads or writes it. */
 csm_result d3d12_image_create(gpu_device *device, const gpu_image_info *info, gpu_image **out) {
   *out = NULL;
   const uint32_t levels = info->levels ? info->levels : 1;
@@ -107,7 +107,7 @@ csm_result d3d12_image_create(gpu_device *device, const gpu_image_info *info, gp
   image->format = info->format;
   image->view_format = d3d12_view_format(info->format);
   image->sampled = info->usage & GPU_IMAGE_SAMPLED;
-  image->array = info->array;
+  image->array = info->array || info->layers > 1;
   image->width = info->width;
   image->height = info->height;
   image->layer_count = info->layers;
@@ -165,7 +165,7 @@ void d3d12_view_read(gpu_device *device, const gpu_view *view, D3D12_CPU_DESCRIP
   const gpu_range *range = &view->range;
   D3D12_SHADER_RESOURCE_VIEW_DESC description = {.Format = view->image->view_format,
                                                  .Shader4ComponentMapping = D3D12_DEFAULT_SHADER_4_COMPONENT_MAPPING};
-  if (view->array) {
+  if (view->image->array) {
     description.ViewDimension = D3D12_SRV_DIMENSION_TEXTURE2DARRAY;
     description.Texture2DArray = (D3D12_TEX2D_ARRAY_SRV){.MostDetailedMip = range->first_level,
                                                          .MipLevels = range->level_count,
@@ -181,7 +181,7 @@ void d3d12_view_read(gpu_device *device, const gpu_view *view, D3D12_CPU_DESCRIP
 void d3d12_view_store(gpu_device *device, const gpu_view *view, D3D12_CPU_DESCRIPTOR_HANDLE descriptor) {
   const gpu_range *range = &view->range;
   D3D12_UNORDERED_ACCESS_VIEW_DESC description = {.Format = view->image->view_format};
-  if (view->array) {
+  if (view->image->array) {
     description.ViewDimension = D3D12_UAV_DIMENSION_TEXTURE2DARRAY;
     description.Texture2DArray = (D3D12_TEX2D_ARRAY_UAV){
         .MipSlice = range->first_level, .FirstArraySlice = range->first_layer, .ArraySize = range->layer_count};
@@ -193,7 +193,7 @@ void d3d12_view_store(gpu_device *device, const gpu_view *view, D3D12_CPU_DESCRI
 }
 
 void d3d12_image_describe(gpu_device *device, const gpu_image *image, uint64_t descriptor) {
-  const gpu_view whole = {.image = (gpu_image *)image, .range = d3d12_range(image, NULL), .array = image->array};
+  const gpu_view whole = {.image = (gpu_image *)image, .range = d3d12_range(image, NULL)};
   d3d12_view_read(device, &whole, (D3D12_CPU_DESCRIPTOR_HANDLE){.ptr = (SIZE_T)descriptor});
 }
 
@@ -201,7 +201,7 @@ csm_result d3d12_view_create(gpu_device *device, const gpu_view_info *info, gpu_
   *out = d3d12_allocate(device, sizeof **out);
   if (!*out)
     return CSM_ERROR_OUT_OF_MEMORY;
-  **out = (gpu_view){.image = info->image, .range = d3d12_range(info->image, &info->range), .array = info->array};
+  **out = (gpu_view){.image = info->image, .range = d3d12_range(info->image, &info->range)};
   return CSM_SUCCESS;
 }
 

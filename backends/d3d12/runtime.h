@@ -1,7 +1,7 @@
 /*
- * runtime.h: where Direct3D 12 comes from. A run time is one file that implements what is below: it opens libraries,
- * chooses a device and describes it, waits for fences, passes on what validation says, and tells what it allows beyond
- * Direct3D 12. There is one, runtime_vkd3d.c. Nothing is linked with it, and the rest of the backend knows none.
+ * runtime.h: where Direct3D 12 comes from. A run time is one file that implements what is declared here. It opens
+ * libraries, chooses an adapter and describes it, makes the device, waits for fences, and passes on what validation
+ * says. It also tells what it allows beyond Direct3D 12. The rest of the backend knows Direct3D 12 alone.
  */
 #ifndef D3D12_RUNTIME_H
 #define D3D12_RUNTIME_H
@@ -9,7 +9,7 @@
 #define COBJMACROS
 #define WIDL_C_INLINE_WRAPPERS
 #include <vkd3d_windows.h>
-/* after the types that it needs */
+/* after the types that it uses */
 #include <vkd3d_d3d12.h>
 
 #include "../gpu.h"
@@ -20,15 +20,15 @@ typedef struct d3d12_runtime d3d12_runtime;
 /* What is true of the run time, whoever opened the device. */
 typedef struct d3d12_traits {
   gpu_needs required, optional;
-  bool self_barriers; /* a barrier from a state to itself orders two writes in that state; else copies need none */
+  bool self_barriers; /* two writes in one state are ordered by a barrier from it to itself; else by themselves */
   bool partial_depth_copies; /* a part of a layer of depths may be copied */
   bool markers;              /* events in a command list are seen by someone */
 } d3d12_traits;
 
 const d3d12_traits *d3d12_runtime_traits(void);
 
-/* Opens the libraries, chooses an adapter, and describes it in device->info. The run time is device->runtime then, and
-   d3d12_runtime_close is due, also after an error. Errors: NO_DEVICE, DEVICE, OUT_OF_MEMORY. */
+/* Opens the libraries, chooses an adapter, and describes it in device->info. The run time is device->runtime then.
+   d3d12_runtime_close is due, after an error too. Errors: NO_DEVICE, DEVICE, OUT_OF_MEMORY. */
 csm_result d3d12_runtime_open(gpu_device *device, const gpu_open_info *info);
 void d3d12_runtime_close(gpu_device *device);
 
@@ -39,7 +39,8 @@ csm_result d3d12_runtime_create_device(gpu_device *device);
 HRESULT d3d12_runtime_serialize(const d3d12_runtime *runtime, const D3D12_ROOT_SIGNATURE_DESC *signature,
                                 ID3DBlob **out);
 
-/* Waits until the fence has the value, or a second or two have passed: a lost device may never wake who waits. */
+/* Waits until the fence has the value. Returns after a second or two all the same: a lost device may never wake who
+   waits. */
 HRESULT d3d12_runtime_wait(d3d12_runtime *runtime, ID3D12Fence *fence, uint64_t value);
 
 /* Bytes of device memory that this process may still take, or UINT64_MAX. */

@@ -96,7 +96,7 @@ static csm_result open_libraries(const gpu_device *device, d3d12_runtime *runtim
   return CSM_SUCCESS;
 }
 
-/* A function of the instance's; none before there is one, but for those that make it. */
+/* A function of the instance's. Before there is one: a function that serves to make it. */
 static PFN_vkVoidFunction instance_function(const d3d12_runtime *runtime, const char *name) {
   return runtime->get_instance_proc(runtime->vk_instance, name);
 }
@@ -104,10 +104,9 @@ static PFN_vkVoidFunction instance_function(const d3d12_runtime *runtime, const 
 /* ---- validation ---- */
 
 /*
- * vkd3d enables no layers, and has no way to ask for them but the process's environment. It does take a
- * vkGetInstanceProcAddr, so it gets one whose vkCreateInstance adds the layer to what vkd3d asks for. Nothing outside
- * this device changes. These functions get no pointer of the caller's, so the loader, which the run time keeps open, is
- * looked up by name.
+ * vkd3d enables no layers, but for those that the process's environment names. It does take a vkGetInstanceProcAddr.
+ * The one below has a vkCreateInstance that adds the layer, so nothing outside this device changes. Its functions get
+ * no pointer of the caller's: they look the loader up by name, and the run time keeps it open.
  */
 static PFN_vkVoidFunction loader_function(VkInstance instance, const char *name) {
   void *library = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD);
@@ -342,7 +341,7 @@ static const char *vkd3d_version(const d3d12_runtime *runtime) {
   return get_version ? get_version(NULL, NULL) : "vkd3d";
 }
 
-/* Index of the largest heap of device memory, which images live in. */
+/* Images live in the largest heap of device memory: its index. */
 static uint32_t image_heap(const VkPhysicalDeviceMemoryProperties *memory) {
   uint32_t best = 0;
   uint64_t largest = 0;

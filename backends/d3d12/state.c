@@ -1,9 +1,11 @@
 /*
- * state.c: states. They are kept in the order of recording, across recordings, and barriers are gathered until the
- * next command that needs them. Images that shaders read rest readable between recordings. Buffers of the device's own
- * memory rest in COMMON: they decay to it when a list has run, so it is the one state that holds whether or not the
- * next recording is in the same list. Draws and dispatches promote them out of it, without a barrier. vkd3d knows
- * neither decay nor promotion, but there the barriers that bring a buffer back order what follows.
+ * state.c: barriers. States are tracked in the order of recording, across recordings. Barriers are gathered until the
+ * next command that needs them.
+ *
+ * Images that shaders read rest readable between recordings.
+ * Buffers of the device's own memory rest in COMMON. They decay to it when a list has run, so it alone holds whether or
+ * not the next recording is in the same list. Draws and dispatches promote them out of it without a barrier. vkd3d
+ * knows neither decay nor promotion: there, the barriers that bring a buffer back order what follows.
  */
 #include "internal.h"
 
@@ -30,8 +32,8 @@ static void add_transition(gpu_device *device, const d3d12_resource *resource, u
                                                        .StateAfter = after}});
 }
 
-/* Orders what shaders write after what they wrote, in all resources: vkd3d takes a barrier for one image as if all of
-   it were being written. */
+/* Orders what shaders write after what they wrote, in all resources. vkd3d takes a barrier for one image for one of all
+   its levels, and not all need be written by shaders. */
 static void add_store_barrier(gpu_device *device) {
   add(device, &(D3D12_RESOURCE_BARRIER){.Type = D3D12_RESOURCE_BARRIER_TYPE_UAV});
 }
@@ -49,6 +51,11 @@ static bool is_uniform(const gpu_image *image, const gpu_range *range) {
   return true;
 }
 
+/* Copies into one place are ordered by a barrier from their state to itself, where the run time wants one. */
+static bool needs_transition(const gpu_device *device, D3D12_RESOURCE_STATES last, D3D12_RESOURCE_STATES next) {
+  return last != next || (next == D3D12_RESOURCE_STATE_COPY_DEST && device->traits->self_barriers);
+}
+
 void d3d12_image_use(gpu_device *device, gpu_image *image, const gpu_range *part, D3D12_RESOURCE_STATES state) {
   const gpu_range range = d3d12_range(image, part);
   if (image->borrowed)
@@ -61,14 +68,14 @@ void d3d12_image_use(gpu_device *device, gpu_image *image, const gpu_range *part
   }
   const bool uniform = is_uniform(image, &range);
   bool stored = false;
-  if (uniform && image->states[0] != state)
+  if (uniform && needs_transition(device, image->states[0], state))
     add_transition(device, &image->resource, D3D12_RESOURCE_BARRIER_ALL_SUBRESOURCES, image->states[0], state);
   for (uint32_t layer = range.first_layer; layer < range.first_layer + range.layer_count; layer++)
     for (uint32_t level = range.first_level; level < range.first_level + range.level_count; level++) {
       const uint32_t subresource = level + layer * image->level_count;
       D3D12_RESOURCE_STATES *last = &image->states[subresource];
       stored |= *last == state && state == D3D12_RESOURCE_STATE_UNORDERED_ACCESS;
-      if (!uniform && *last != state)
+      if (!uniform && needs_transition(device, *last, state))
         add_transition(device, &image->resource, subresource, *last, state);
       *last = state;
     }
@@ -78,7 +85,7 @@ void d3d12_image_use(gpu_device *device, gpu_image *image, const gpu_range *part
 
 /* ---- buffers ---- */
 
-/* Remembers that `end` must bring the buffer back to rest. */
+/* `end` brings the buffer back to rest then. */
 static void mark_used(gpu_device *device, gpu_buffer *buffer) {
   if (buffer->used)
     return;
@@ -99,10 +106,8 @@ static void buffer_use(gpu_device *device, gpu_buffer *buffer, D3D12_RESOURCE_ST
   buffer->state = state;
 }
 
-/*
- * Two copies into one place get a way through another state between them, which orders them everywhere. Readback
- * buffers never leave theirs, so there the run time may want a barrier from it to itself.
- */
+/* A second copy into one place is ordered after the first by a way through another state. A readback buffer never
+   leaves its state: there the run time may want a barrier from it to itself. */
 void d3d12_buffer_use_target(gpu_device *device, gpu_buffer *buffer, uint64_t begin, uint64_t size) {
   const uint64_t end = begin + size;
   const bool overlaps = begin < buffer->copied_end && buffer->copied_begin < end;
@@ -129,7 +134,7 @@ void d3d12_buffer_use_source(gpu_device *device, gpu_buffer *buffer) {
     buffer_use(device, buffer, D3D12_RESOURCE_STATE_COPY_SOURCE);
 }
 
-/* States in which a buffer is not readable by draws and dispatches, and is not promoted out of. */
+/* Whether a buffer is in a state out of which draws and dispatches do not promote it. */
 static bool is_apart(const gpu_buffer *buffer) {
   return buffer->state &
          (D3D12_RESOURCE_STATE_COPY_DEST | D3D12_RESOURCE_STATE_COPY_SOURCE | D3D12_RESOURCE_STATE_UNORDERED_ACCESS);
@@ -156,7 +161,7 @@ void d3d12_settle_buffers(gpu_device *device) {
       buffer_use(device, buffer, buffer->readable);
 }
 
-/* ---- both ---- */
+/* ---- what shaders write ---- */
 
 void d3d12_use_stores(gpu_device *device, const gpu_bindings *bindings) {
   const gpu_bindings_info *info = &bindings->info;
@@ -166,6 +171,8 @@ void d3d12_use_stores(gpu_device *device, const gpu_bindings *bindings) {
   for (uint32_t i = 0; i < bindings->store_buffer_count; i++)
     d3d12_buffer_use_store(device, info->store_buffers[i].buffer);
 }
+
+/* ---- the end of a recording ---- */
 
 void d3d12_rest(gpu_device *device) {
   d3d12_settle_buffers(device);
@@ -178,7 +185,7 @@ void d3d12_rest(gpu_device *device) {
   d3d12_flush_barriers(device);
 }
 
-/* Buffers rest where they began. */
+/* Buffers end in the state that they began in. */
 void d3d12_release_used(gpu_device *device, bool recorded) {
   for (gpu_buffer *buffer = device->used_buffers; buffer; buffer = buffer->next_used)
     buffer->used = false;

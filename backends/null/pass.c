@@ -210,6 +210,7 @@ static void check_counts(gpu_device *device, const gpu_draw *draw) {
   }
   const size_t bytes = draw->indices ? sizeof(gpu_indirect_indexed) : sizeof(gpu_indirect_draw);
   check_source(device, draw->arguments);
+  null_require(device, !draw->index_offset, "pass_draw: arguments beside an index_offset");
   null_check_arguments(device, draw->arguments, draw->arguments_offset, (uint32_t)(bytes / sizeof(uint32_t)),
                        "pass_draw: no arguments, or beyond their end");
 }

@@ -100,6 +100,7 @@ static void check_image(gpu_device *device, const gpu_image_info *info) {
   if (null_require(device, can, "image_create: no format of an image"))
     null_require(device, !(wanted & ~can), "image_create: the format cannot what the usage asks");
   null_require(device, info->width && info->height && info->layers, "image_create: a size or a count of layers of 0");
+  null_require(device, info->array || info->layers <= 1, "image_create: several layers, and no array");
   null_require(device, level_count(info) <= most_levels(info->width, info->height),
                "image_create: more levels than its size has");
   null_require(device, !gpu_format_is_depth(info->format) || !(info->usage & GPU_IMAGE_COPY_TARGET),
@@ -161,7 +162,6 @@ csm_result null_view_create(gpu_device *device, const gpu_view_info *info, gpu_v
   null_require(device, contains(info->image, &range), "view_create: no such layers or levels");
   null_require(device, info->image->info.usage & (GPU_IMAGE_SAMPLED | GPU_IMAGE_STORED),
                "view_create: of an image that shaders do not see");
-  null_require(device, info->array || range.layer_count == 1, "view_create: several layers, and no array");
   gpu_view *view = *out = null_make(device, sizeof *view);
   if (!view)
     return CSM_ERROR_OUT_OF_MEMORY;

@@ -75,6 +75,7 @@ struct gpu_image {
   vulkan_memory memory;
   gpu_format format;
   uint32_t width, height, layer_count, level_count;
+  bool array; /* shaders see one */
   VkImageAspectFlags aspect;
   bool used; /* in the current recording, and in its list */
   gpu_image *next_used;
@@ -254,8 +255,8 @@ void vulkan_view_destroy(gpu_device *device, gpu_view *view);
 /* The range without counts of 0; NULL is all of the image. */
 gpu_range vulkan_range(const gpu_image *image, const gpu_range *range);
 VkImageSubresourceRange vulkan_subresources(const gpu_image *image, const gpu_range *range);
-/* What shaders see of a range, or what a target draws into. */
-csm_result vulkan_image_view(gpu_device *device, const gpu_view_info *info, VkImageView *out);
+/* What shaders see of a range, or what a target draws into: that is no array. */
+csm_result vulkan_image_view(gpu_device *device, const gpu_view_info *info, bool array, VkImageView *out);
 
 /* ---- target.c ---- */
 csm_result vulkan_target_create(gpu_device *device, const gpu_target_info *info, gpu_target **out);

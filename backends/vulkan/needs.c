@@ -16,12 +16,13 @@ static const char *const device_extensions[] = {VK_EXT_MEMORY_BUDGET_EXTENSION_N
                                                 VK_KHR_DRIVER_PROPERTIES_EXTENSION_NAME,
                                                 VK_KHR_DYNAMIC_RENDERING_EXTENSION_NAME, NULL};
 static const char *const features[] = {"depthBiasClamp", "samplerAnisotropy", "fragmentStoresAndAtomics",
-                                       "shaderStorageImageExtendedFormats", "dynamicRendering", NULL};
-static const char *const queues[] = {"compute on the queue", "timestamps on the queue", NULL};
+                                       "shaderStorageImageExtendedFormats", NULL};
+static const char *const others[] = {"dynamicRendering, as csm_vulkan_device says", "compute on the queue",
+                                     "timestamps on the queue", NULL};
 
 const gpu_needs vulkan_optional = {
     .instance_extensions = instance_extensions,
     .device_extensions = device_extensions,
     .features = features,
-    .others = queues,
+    .others = others,
 };

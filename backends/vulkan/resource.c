@@ -106,11 +106,11 @@ VkImageSubresourceRange vulkan_subresources(const gpu_image *image, const gpu_ra
                                    .layerCount = range->layer_count};
 }
 
-csm_result vulkan_image_view(gpu_device *device, const gpu_view_info *view, VkImageView *out) {
+csm_result vulkan_image_view(gpu_device *device, const gpu_view_info *view, bool array, VkImageView *out) {
   const gpu_range range = vulkan_range(view->image, &view->range);
   const VkImageViewCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
                                       .image = view->image->handle,
-                                      .viewType = view->array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
+                                      .viewType = array ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
                                       .format = vulkan_format(view->image->format),
                                       .subresourceRange = vulkan_subresources(view->image, &range)};
   const csm_result result =
@@ -162,13 +162,14 @@ csm_result vulkan_image_create(gpu_device *device, const gpu_image_info *info, g
   image->layer_count = info->layers;
   image->sampled_layout = device->read.layout;
   image->level_count = levels;
+  image->array = info->array;
   image->before = image->pieces + pieces;
   image->aspect = gpu_format_is_depth(info->format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
 
   csm_result result = image_handle_create(device, image, info);
   if (result == CSM_SUCCESS && (info->usage & GPU_IMAGE_SAMPLED))
-    result = vulkan_image_view(device, &(gpu_view_info){.name = info->name, .image = image, .array = info->array},
-                               &image->view);
+    result =
+        vulkan_image_view(device, &(gpu_view_info){.name = info->name, .image = image}, image->array, &image->view);
   if (result == CSM_SUCCESS)
     *out = image;
   else
@@ -213,7 +214,7 @@ csm_result vulkan_view_create(gpu_device *device, const gpu_view_info *info, gpu
     return CSM_ERROR_OUT_OF_MEMORY;
   view->image = info->image;
   view->range = vulkan_range(info->image, &info->range);
-  const csm_result result = vulkan_image_view(device, info, &view->handle);
+  const csm_result result = vulkan_image_view(device, info, info->image->array, &view->handle);
   if (result == CSM_SUCCESS)
     *out = view;
   else

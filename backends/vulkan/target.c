@@ -100,7 +100,7 @@ static csm_result attach(gpu_device *device, gpu_target *target, vulkan_attachme
     return CSM_SUCCESS;
   target->width = gpu_level_size(image->width, attachment->range.first_level);
   target->height = gpu_level_size(image->height, attachment->range.first_level);
-  return vulkan_image_view(device, &(gpu_view_info){.name = name, .image = image, .range = attachment->range},
+  return vulkan_image_view(device, &(gpu_view_info){.name = name, .image = image, .range = attachment->range}, false,
                            &attachment->view);
 }
 

@@ -18,8 +18,8 @@ static int open_with(bare_mask **out, const stage_frame *frame, const host_setup
   float camera[CSM_M_COUNT * 4], blocks[CSM_C_COUNT * 4] = {0};
   memcpy(blocks, binding->cascade_constants, binding->cascade_constants_size);
   memcpy(blocks + 4 * CSM_S_BEGIN, binding->setting_constants, binding->setting_constants_size);
-  plan_write_mask_constants(camera, &plan->frame, &plan->frame.camera, setup->width, setup->height, false,
-                            CSM_SHOW_VISIBILITY);
+  const plan_picture picture = {.camera = &plan->frame.camera, .width = setup->width, .height = setup->height};
+  plan_write_mask_constants(camera, &plan->frame, &picture);
   const bare_mask_info info = {.width = setup->width,
                                .height = setup->height,
                                .resolution = binding->resolutions[0],

@@ -22,7 +22,7 @@
 #define SWITCH_ROUNDS 7u
 #define ENGINE_ROUNDS 201u
 #define QUICK_ROUNDS 31u
-#define BENCH_TABLES 3
+#define BENCH_TABLES 4
 #define MAX_CONTENDERS (HOST_BACKENDS + 1)
 
 /* What is timed: a backend's depth pass, or the bare loop where stage is NULL. */
@@ -187,9 +187,12 @@ static int time_masks(bench *b) {
   bench_table table;
   bare_mask *bare = NULL;
   int code = 0;
-  if (b->floor && (wanted(b, "filters") || wanted(b, "modes")))
+  if (b->floor && (wanted(b, "floors") || wanted(b, "filters") || wanted(b, "modes")))
     code = bench_bare_open(&bare, &b->stages[0], &b->setup.config, &b->plan, b->options->device);
   const bench_floor floor = {bare ? draw_bare_floor : NULL, bare};
+  bench_table_floors(&table, &b->setup.config);
+  if (code == 0)
+    code = time_table(b, &table, floor);
   bench_table_filters(&table, &b->setup.config);
   if (code == 0)
     code = time_table(b, &table, floor);

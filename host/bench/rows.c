@@ -91,6 +91,14 @@ static int time_group(const group *g, const bench_table *table, uint32_t pairs) 
   return 0;
 }
 
+/* The lane of the same row on the first stage. */
+static const lane *first_of(const group *g, const lane *l) {
+  for (uint32_t i = 0; i < g->count; i++)
+    if (g->lanes[i].stage && g->lanes[i].row == l->row)
+      return &g->lanes[i];
+  return l;
+}
+
 static void take_results(bench_rows *out, const group *g, bool with_base) {
   const lane *base = NULL;
   for (uint32_t i = 0; i < g->count; i++) {
@@ -101,9 +109,12 @@ static void take_results(bench_rows *out, const group *g, bool with_base) {
     if (!l->stage || (is_base && !with_base))
       continue;
     bench_result *result = &out->results[out->count++];
-    *result = (bench_result){
-        .row = l->row->name, .backend = l->stage->backend, .ms = estimate_median(l->samples, out->pairs)};
-    result->to_base = estimate_ratio(l->samples, base->samples, out->pairs);
+    *result = (bench_result){.row = l->row->name,
+                             .backend = l->stage->backend,
+                             .ms = estimate_median(l->samples, out->pairs),
+                             .to_first = estimate_ratio(l->samples, first_of(g, l)->samples, out->pairs),
+                             .to_base = estimate_ratio(l->samples, base->samples, out->pairs),
+                             .most_floors = l->row->most_floors};
     if (out->has_floor)
       result->to_floor = estimate_ratio(l->samples, g->lanes[0].samples, out->pairs);
   }
@@ -130,13 +141,17 @@ void bench_rows_print(FILE *to, const bench_rows *rows) {
   snprintf(base, sizeof base, "/ %s", rows->table.base.name);
   fprintf(to, "\n%s: %s; GPU time, %u rounds in turn\n\n  %-24s %-8s %9s   %-9s %-18s", rows->table.name,
           rows->table.about, rows->pairs, "", "backend", "median ms", base, "95 % interval");
-  fprintf(to, rows->has_floor ? " / floor   95 %% interval\n" : "\n");
+  fprintf(to, " / first");
+  fprintf(to, rows->has_floor ? "  / floor   95 %% interval\n" : "\n");
   for (uint32_t i = 0; i < rows->count; i++) {
     const bench_result *r = &rows->results[i];
     fprintf(to, "  %-24s %-8s %9.2f   %9.3f %7.3f .. %-7.3f", r->row, r->backend, r->ms.median, r->to_base.median,
             r->to_base.low, r->to_base.high);
+    fprintf(to, "  %6.3f", r->to_first.median);
     if (rows->has_floor)
       fprintf(to, " %8.3f %7.3f .. %-7.3f", r->to_floor.median, r->to_floor.low, r->to_floor.high);
+    if (rows->has_floor && r->most_floors > 0.0)
+      fprintf(to, "  at most %.1f: %s", r->most_floors, r->to_floor.median <= r->most_floors ? "yes" : "NO");
     fprintf(to, "\n");
   }
 }
@@ -150,8 +165,11 @@ json_t *bench_rows_to_json(const bench_rows *rows) {
     json_object_set_new(row, "backend", json_string(r->backend));
     json_object_set_new(row, "gpu_ms", estimate_to_json(&r->ms));
     json_object_set_new(row, "to_base", estimate_to_json(&r->to_base));
+    json_object_set_new(row, "to_first", estimate_to_json(&r->to_first));
     if (rows->has_floor)
       json_object_set_new(row, "to_floor", estimate_to_json(&r->to_floor));
+    if (r->most_floors > 0.0)
+      json_object_set_new(row, "at_most_floors", json_real(r->most_floors));
     json_array_append_new(list, row);
   }
   json_object_set_new(object, "about", json_string(rows->table.about));

@@ -10,6 +10,7 @@ enum { bench_most_rows = 24 };
 typedef struct bench_row {
   const char *name;
   csm_config config;
+  double most_floors; /* at most so many times the floor; 0: nothing is asked */
 } bench_row;
 
 /* What is to be timed. */
@@ -21,6 +22,8 @@ typedef struct bench_table {
   uint32_t count;
 } bench_table;
 
+/* What single taps and the default cost, against the least that a mask may take. */
+void bench_table_floors(bench_table *out, const csm_config *config);
 /* Every filter, against one tap. */
 void bench_table_filters(bench_table *out, const csm_config *config);
 /* Selecting, blending, and looking at what the camera sees, against the configuration without. */
@@ -37,6 +40,8 @@ typedef struct bench_floor {
 typedef struct bench_result {
   const char *row, *backend;
   estimate ms, to_base, to_floor;
+  estimate to_first; /* the first stage's of the same row */
+  double most_floors;
 } bench_result;
 
 typedef struct bench_rows {

@@ -3,7 +3,7 @@
 
 static csm_config *add(bench_table *table, const char *name) {
   bench_row *row = &table->rows[table->count++];
-  *row = (bench_row){name, table->base.config};
+  *row = (bench_row){.name = name, .config = table->base.config};
   return &row->config;
 }
 
@@ -24,10 +24,21 @@ static void add_early(bench_table *table, const char *name, uint32_t filter) {
   config->filter_taps = 9;
 }
 
+void bench_table_floors(bench_table *out, const csm_config *config) {
+  *out = (bench_table){.name = "floors",
+                       .about = "the mask's pass alone, to one tap and to a bare pass that rebuilds positions",
+                       .base = {.name = "nearest", .config = *config, .most_floors = 2.5}};
+  out->base.config.filter = CSM_FILTER_NEAREST;
+  out->base.config.filter_weights = CSM_WEIGHTS_UNIFORM;
+  out->base.config.filter_early_out = 0;
+  add_filter(out, "pcf_3x3", CSM_FILTER_PCF_3X3);
+  out->rows[0].most_floors = 3.5;
+}
+
 void bench_table_filters(bench_table *out, const csm_config *config) {
   *out = (bench_table){.name = "filters",
                        .about = "the mask's pass alone, to one tap and to a bare pass that rebuilds positions",
-                       .base = {"nearest", *config}};
+                       .base = {.name = "nearest", .config = *config}};
   out->base.config.filter = CSM_FILTER_NEAREST;
   out->base.config.filter_weights = CSM_WEIGHTS_UNIFORM;
   out->base.config.filter_early_out = 0;
@@ -58,7 +69,7 @@ void bench_table_filters(bench_table *out, const csm_config *config) {
 void bench_table_modes(bench_table *out, const csm_config *config) {
   *out = (bench_table){.name = "modes",
                        .about = "the mask's pass with what else it may do, to the configuration without",
-                       .base = {"base", *config}};
+                       .base = {.name = "base", .config = *config}};
   csm_config *base = &out->base.config;
   base->depth_samples = CSM_DEPTH_SAMPLES_OFF;
   base->selection = CSM_SELECT_INTERVAL;
@@ -91,7 +102,7 @@ void bench_table_maps(bench_table *out, const csm_config *config) {
   *out = (bench_table){.name = "maps",
                        .about = "clear and all cascades, to the configuration as it is and to a bare loop",
                        .maps = true,
-                       .base = {"base", *config}};
+                       .base = {.name = "base", .config = *config}};
   csm_config *base = &out->base.config;
   base->map_layout = CSM_LAYOUT_ARRAY;
   base->map_format = CSM_MAP_D32;

@@ -18,8 +18,8 @@
 #define CSM_C_DEPTH 1    /* view depth of a relative position p: dot(p, xyz) + w */
 #define CSM_C_BASIS 2    /* three: unit vectors right, up and along the light */
 #define CSM_C_SPLITS 5   /* two: where cascades 0..3 and 4..7 end, as view depth; unused ones repeat the last */
-#define CSM_C_SCALES 7   /* eight: scale of right, up and depth; depth of a slope of 1 across a texel, to the right */
-#define CSM_C_OFFSETS 15 /* eight: offset of right, up and depth; depth of a slope of 1 across a texel, upwards */
+#define CSM_C_SCALES 7   /* eight: scale of right, up and depth */
+#define CSM_C_OFFSETS 15 /* eight: offset of right, up and depth */
 #define CSM_C_TEXELS 23  /* eight: larger texel side in metres, depth per metre, share of the map that samples may lie in, \
                             texel area in square metres */
 #define CSM_C_RECTS 31   /* eight: the map's first texel (x, y), its side in texels, its layer */

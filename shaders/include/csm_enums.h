@@ -1,11 +1,11 @@
 /*
  * csm_enums.h: the enumerations of csm_config that shaders know, as integers with names, for HLSL and GLSL. C and C++ have
- * them from csm.h; a test holds the two together.
+ * them from csm.h, or here where CSM_ENUMS_AS_MACROS is defined and csm.h is not included; a test holds the two together.
  */
 #ifndef CSM_ENUMS_H
 #define CSM_ENUMS_H
 
-#if !defined(__cplusplus) && !defined(__STDC_VERSION__)
+#if defined(CSM_ENUMS_AS_MACROS) || (!defined(__cplusplus) && !defined(__STDC_VERSION__))
 
 /* What a define is that fixes nothing. */
 #define CSM_AS_CONFIGURED (-1)

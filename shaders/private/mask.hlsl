@@ -28,8 +28,11 @@ Texture2D<float4> normals : register(t2);
 SamplerState csm_point : register(s0);
 #define CSM_POINT csm_point
 
-// The first four cascades' constants come with the inputs.
+// What every pixel needs comes with the inputs.
 static mask_inputs inputs;
+#define CSM_BIAS_ROW float4(inputs.scale_0.w, inputs.scale_1.w, inputs.scale_2.w, csm_c[CSM_S_BIAS].w)
+#define CSM_BIAS_RANGE inputs.scale_3.w
+#define CSM_END inputs.offset_3.w
 #define CSM_SCALE_0 inputs.scale_0
 #define CSM_SCALE_1 inputs.scale_1
 #define CSM_SCALE_2 inputs.scale_2
@@ -64,12 +67,12 @@ struct neighbours
 
 // How the depth changes from one pixel to the next along an axis. Across a plane depth is linear on screen, so the side is
 // taken on which three pixels lie on one line. Where both do, their difference is rounding, which must not choose.
-float depth_step(float depth, neighbours n, int at, int size)
+float depth_step(float depth, neighbours n, float at, float pixel)
 {
     float bend_back = abs(mad(2.0, n.back, -n.far_back) - depth), bend_on = abs(mad(2.0, n.on, -n.far_on) - depth);
-    // Pixels beyond the border say nothing
-    bend_back = at > 1 ? bend_back : at > 0 ? 1e20 : 1e30;
-    bend_on = at < size - 2 ? bend_on : at < size - 1 ? 1e20 : 1e30;
+    // Pixels beyond the border say nothing; `at` goes from 0 to 1 across the screen
+    bend_back = at > 2.0 * pixel ? bend_back : at > pixel ? 1e20 : 1e30;
+    bend_on = at < mad(-2.0, pixel, 1.0) ? bend_on : at < 1.0 - pixel ? 1e20 : 1e30;
     return mad(depth, 4.0 / 8388608.0, bend_back) < bend_on ? depth - n.back : n.on - depth;
 }
 
@@ -78,7 +81,6 @@ float2 depth_steps(float2 place, float depth)
 {
     float4 size = mask_c[CSM_M_SIZE];
     float2 uv = place * size.zw;
-    int2 pixel = int2(place);
     // Each gather reads two pixels to one side: its corner lies between them, and half a pixel off the axis
     float4 left = camera_depth.Gather(csm_point, float2(mad(size.z, -1.5, uv.x), mad(size.w, 0.5, uv.y)));
     float4 right = camera_depth.Gather(csm_point, float2(mad(size.z, 1.5, uv.x), mad(size.w, 0.5, uv.y)));
@@ -93,7 +95,13 @@ float2 depth_steps(float2 place, float depth)
     down.far_back = above.w;
     down.on = below.w;
     down.far_on = below.x;
-    return float2(depth_step(depth, across, pixel.x, int(size.x)), depth_step(depth, down, pixel.y, int(size.y)));
+    return float2(depth_step(depth, across, uv.x, size.z), depth_step(depth, down, uv.y, size.w));
+}
+
+// View depth of a point of light space.
+float light_view_depth(float3 at)
+{
+    return csm_dot(float3(inputs.offset_0.w, inputs.offset_1.w, inputs.offset_2.w), at);
 }
 
 // A unit vector; towards the light where there is no direction.

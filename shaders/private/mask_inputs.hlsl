@@ -10,11 +10,11 @@ struct mask_inputs
     nointerpolation float4 normal_0 : NORMAL0; // CSM_M_PLANES or CSM_M_NORMALS
     nointerpolation float4 normal_1 : NORMAL1;
     nointerpolation float4 normal_2 : NORMAL2;
-    nointerpolation float4 scale_0 : SCALE0; // CSM_C_SCALES
+    nointerpolation float4 scale_0 : SCALE0; // CSM_C_SCALES; w: of CSM_S_BIAS x, y, z, and x of CSM_S_UNITS
     nointerpolation float4 scale_1 : SCALE1;
     nointerpolation float4 scale_2 : SCALE2;
     nointerpolation float4 scale_3 : SCALE3;
-    nointerpolation float4 offset_0 : OFFSET0; // CSM_C_OFFSETS
+    nointerpolation float4 offset_0 : OFFSET0; // CSM_C_OFFSETS; w: of CSM_M_DEPTH x, y, z, and y of CSM_C_PARAMS
     nointerpolation float4 offset_1 : OFFSET1;
     nointerpolation float4 offset_2 : OFFSET2;
     nointerpolation float4 offset_3 : OFFSET3;

@@ -54,6 +54,39 @@ void test_copies(smoke *s) {
   s->gpu->buffer_destroy(s->device, readback);
 }
 
+/* Vertices that each frame moves by copy_buffer while the frames before it are in flight. */
+void test_updates(smoke *s) {
+  gpu_buffer *vertices = scrap_buffer(
+      s, (gpu_buffer_info){.name = "moving", .kind = GPU_BUFFER_DEVICE, .size = 48, .usage = GPU_BUFFER_READ});
+  gpu_buffer *staging[SLOTS];
+  for (uint32_t frame = 0; frame < SLOTS; frame++) {
+    const smoke_slot *slot = &s->slots[frame];
+    const float z = 0.25f + (float)frame / 8;
+    const float corners[12] = {-1, -1, 0, 3, -1, 0, -1, 3, 0, -1, -1, 0};
+    staging[frame] = scrap_buffer(s, (gpu_buffer_info){.name = "moves", .kind = GPU_BUFFER_UPLOAD, .size = 48});
+    float *moved = gpu_buffer_memory(s->g, staging[frame]);
+    for (uint32_t i = 0; i < 12; i++)
+      moved[i] = i % 3 == 2 ? z : corners[i];
+    begin(s, frame);
+    const float rows[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    memcpy(gpu_buffer_memory(s->g, slot->upload), rows, sizeof rows);
+    gpu_copy_buffer(s->g, vertices, 0, staging[frame], 0, 48);
+    gpu_pass_begin(s->g, &(gpu_pass_info){.target = s->plain.target, .depth_load = GPU_LOAD_CLEAR, .clear_depth = 1});
+    gpu_pass_program(s->g, s->depth);
+    gpu_pass_draw(s->g, &(gpu_draw){.streams = {vertices, slot->upload}, .count = 3, .instance_count = 1});
+    gpu_pass_end(s->g);
+    copy_layer(s, slot->readback, 0, s->plain.image, GPU_FORMAT_D32_FLOAT, 0);
+    end(s);
+  }
+  for (uint32_t frame = 0; frame < SLOTS; frame++) {
+    const csm_result result = gpu_wait(s->g, frame);
+    CHECK(s, result == CSM_SUCCESS, "wait: %d", result);
+    const uint32_t count = count_texels(gpu_buffer_memory(s->g, s->slots[frame].readback), 0.25f + (float)frame / 8);
+    CHECK(s, count == SIZE * SIZE, "frame %u: %u texels", frame, count);
+  }
+  scrap_free(s);
+}
+
 /* ---- regions ---- */
 
 /* A piece of the mask lands where it should, and nothing else of the buffer is written. */

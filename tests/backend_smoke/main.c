@@ -56,6 +56,8 @@ static void check_info(smoke *s, const gpu_open_info *open) {
   CHECK(s, s->gpu->query(open, &queried) == CSM_SUCCESS, "query");
   CHECK(s, strcmp(info.name, queried.name) == 0 && info.max_image_size == queried.max_image_size, "%s, %s", info.name,
         queried.name);
+  CHECK(s, !memcmp(&info.can, &queried.can, sizeof info.can), "a device that can something else when it is open");
+  s->can = info.can;
   CHECK(s, info.name[0] && info.driver[0], "texts");
   CHECK(s, info.max_image_size >= 4096 && info.max_image_layers >= 256, "%u, %u", info.max_image_size,
         info.max_image_layers);
@@ -106,6 +108,7 @@ int main(int count, char **arguments) {
     fprintf(stderr, "open: %d: %s\n", result, error);
     return result == CSM_ERROR_NO_DEVICE ? 3 : 1;
   }
+  s.g = (gpu){s.gpu, s.device};
   check_info(&s, &info);
   CHECK(&s, s.gpu->wait(s.device, 2) == CSM_SUCCESS, "a slot that was never used");
   make_objects(&s);
@@ -125,6 +128,23 @@ int main(int count, char **arguments) {
   test_memory(&s);
   test_copies(&s);
   test_regions(&s);
+  test_updates(&s);
+  test_levels(&s);
+  test_level_copies(&s);
+  test_layer_views(&s);
+  test_loads(&s);
+  test_depth_loads(&s);
+  test_always(&s);
+  test_both_targets(&s);
+  test_samplers(&s);
+  test_eight_textures(&s);
+  test_attributes(&s);
+  test_buffers(&s);
+  test_atomics(&s);
+  test_stored_images(&s);
+  test_pixel_stores(&s);
+  test_fetched_vertices(&s);
+  test_indirect(&s);
   free_objects(&s);
   s.gpu->close(s.device);
   CHECK(&s, s.messages == 0, "%u messages", s.messages);

@@ -5,7 +5,7 @@
 #ifndef SMOKE_H
 #define SMOKE_H
 
-#include "gpu.h"
+#include "gpu_calls.h"
 #include "smoke_code.h"
 
 #include <stdio.h>
@@ -21,7 +21,13 @@ enum {
 };
 
 /* Where things lie in a slot's upload buffer */
-enum { AT_ROWS = 0, AT_WHICH = 1024, AT_SIZE = AT_WHICH + LAYERS * BLOCK, UPLOAD_SIZE = AT_SIZE + BLOCK };
+enum {
+  AT_ROWS = 0,
+  AT_WHICH = 1024,
+  AT_SIZE = AT_WHICH + LAYERS * BLOCK,
+  CONSTANTS_AT = AT_SIZE + BLOCK,
+  UPLOAD_SIZE = CONSTANTS_AT + 16 * BLOCK
+};
 /* and in its readback buffer: depth layers, then a mask for each layer */
 enum { AT_MASKS = LAYERS * LAYER_BYTES, MASK_BYTES = SIZE * SIZE, READBACK_SIZE = AT_MASKS + LAYERS * MASK_BYTES };
 
@@ -37,9 +43,29 @@ typedef struct smoke_surface {
   gpu_target *target;
 } smoke_surface;
 
+/* What a test makes for itself, to be freed at its end in this order. */
+typedef enum smoke_kind {
+  SCRAP_BINDINGS,
+  SCRAP_PROGRAMS,
+  SCRAP_TARGETS,
+  SCRAP_VIEWS,
+  SCRAP_IMAGES,
+  SCRAP_BUFFERS,
+  SCRAP_KINDS
+} smoke_kind;
+
+enum { SCRAP_MOST = 32 };
+typedef struct smoke_scrap {
+  uint32_t count;
+  void *items[SCRAP_MOST];
+} smoke_scrap;
+
 typedef struct smoke {
   const gpu_backend *gpu;
   gpu_device *device;
+  gpu g; /* the two above */
+  gpu_capabilities can;
+  smoke_scrap scrap[SCRAP_KINDS];
   gpu_host host;
   uint32_t failures, messages;
   int64_t live_allocations;
@@ -47,7 +73,7 @@ typedef struct smoke {
   gpu_image *map, *mask;
   gpu_target *map_targets[LAYERS], *mask_target;
   smoke_surface plain, plain16; /* D32 and D16, which shaders cannot read */
-  gpu_program *depth, *depth_back, *depth_front, *depth_greater, *depth_clipped, *depth16;
+  gpu_program *depth, *depth_back, *depth_front, *depth_greater, *depth_always, *depth_clipped, *depth16;
   gpu_program *compare, *compare_reversed;
   smoke_slot slots[SLOTS];
 } smoke;
@@ -98,6 +124,24 @@ const void *draw_surface(smoke *s, const smoke_surface *surface, gpu_program *pr
 const float *draw_plain(smoke *s, gpu_program *program, float clear, const quad *quads, uint32_t count);
 uint32_t count_texels(const float *depth, float value);
 
+/* ---- scrap.c ---- */
+gpu_buffer *scrap_buffer(smoke *s, gpu_buffer_info info);
+gpu_image *scrap_image(smoke *s, gpu_image_info info);
+gpu_view *scrap_view(smoke *s, gpu_view_info info);
+gpu_target *scrap_target(smoke *s, gpu_target_info info);
+gpu_program *scrap_program(smoke *s, gpu_program_info info);
+gpu_bindings *scrap_bindings(smoke *s, gpu_bindings_info info);
+void scrap_free(smoke *s);
+
+/* Four floats in slot 0's upload buffer, for constants; what they lie at. `index` below 16. */
+uint32_t put_constants(smoke *s, uint32_t index, const float values[4]);
+/* A pass over its area: one triangle of a program. `offset` is of its constants. */
+void draw_screen(smoke *s, const gpu_pass_info *pass, gpu_program *program, gpu_bindings *bindings, uint32_t offset);
+/* In a recording of its own: what a {layer, level} holds, rows from 0 on at multiples of *row_bytes. */
+const uint8_t *read_level(smoke *s, gpu_image *image, gpu_format format, gpu_region region, uint32_t *row_bytes);
+/* In a recording of its own: the first bytes of a buffer, as whole numbers. */
+const uint32_t *read_buffer(smoke *s, gpu_buffer *buffer, uint64_t size);
+
 /* ---- tests ---- */
 void test_frames(smoke *s);  /* frames.c */
 void test_culling(smoke *s); /* raster.c */
@@ -113,5 +157,22 @@ void test_pairs(smoke *s);
 void test_memory(smoke *s); /* copies.c */
 void test_copies(smoke *s);
 void test_regions(smoke *s);
+void test_updates(smoke *s);
+void test_levels(smoke *s); /* levels.c */
+void test_level_copies(smoke *s);
+void test_layer_views(smoke *s);
+void test_loads(smoke *s); /* loads.c */
+void test_depth_loads(smoke *s);
+void test_always(smoke *s);
+void test_both_targets(smoke *s);
+void test_samplers(smoke *s); /* textures.c */
+void test_eight_textures(smoke *s);
+void test_attributes(smoke *s);
+void test_buffers(smoke *s); /* stores.c */
+void test_atomics(smoke *s);
+void test_stored_images(smoke *s);
+void test_pixel_stores(smoke *s);
+void test_fetched_vertices(smoke *s); /* indirect.c */
+void test_indirect(smoke *s);
 
 #endif

@@ -73,6 +73,8 @@ static void make_programs(smoke *s) {
   info.cull = GPU_CULL_NONE;
   info.depth_compare = GPU_COMPARE_GREATER;
   s->depth_greater = make_program(s, info);
+  info.depth_compare = GPU_COMPARE_ALWAYS;
+  s->depth_always = make_program(s, info);
   info.depth_compare = GPU_COMPARE_LESS;
   info.depth_clip = true;
   s->depth_clipped = make_program(s, info);
@@ -152,9 +154,8 @@ void free_objects(smoke *s) {
   gpu->image_destroy(s->device, NULL);
   gpu->buffer_destroy(s->device, s->geometry);
   gpu->buffer_destroy(s->device, s->staging);
-  gpu_program *programs[] = {s->depth,         s->depth_back,       s->depth_front,
-                             s->depth_greater, s->depth_clipped,    s->depth16,
-                             s->compare,       s->compare_reversed, NULL};
+  gpu_program *programs[] = {s->depth,   s->depth_back,   s->depth_front, s->depth_greater,    s->depth_clipped,
+                             s->depth16, s->depth_always, s->compare,     s->compare_reversed, NULL};
   for (uint32_t i = 0; i < sizeof programs / sizeof *programs; i++)
     gpu->program_destroy(s->device, programs[i]);
 }

@@ -11,7 +11,7 @@
 #include "forward_code.h"
 #include "forward_depths_glsl.h"
 #include "forward_glsl.h"
-#include "loader.h"
+#include "abi/loader.h"
 #include "passes/passes.h"
 #include "plan/plan.h"
 #include "shader_code.h"
@@ -195,9 +195,9 @@ static bool make_plan(bench *b, uint32_t filter, uint32_t bias_mode) {
 
 static csm_result make_buffers(bench *b) {
   const gpu_backend *api = b->gpu.api;
-  const gpu_buffer_info infos[] = {{"upload", GPU_BUFFER_UPLOAD, UPLOAD_BYTES},
-                                   {"geometry", GPU_BUFFER_DEVICE, GEOMETRY_BYTES},
-                                   {"readback", GPU_BUFFER_READBACK, PICTURES * PIXELS}};
+  const gpu_buffer_info infos[] = {{"upload", GPU_BUFFER_UPLOAD, UPLOAD_BYTES, 0},
+                                   {"geometry", GPU_BUFFER_DEVICE, GEOMETRY_BYTES, 0},
+                                   {"readback", GPU_BUFFER_READBACK, PICTURES * PIXELS, 0}};
   gpu_buffer **buffers[] = {&b->upload, &b->geometry, &b->readback};
   for (uint32_t i = 0; i < 3; ++i)
     if (api->buffer_create(b->gpu.device, &infos[i], buffers[i]))

@@ -25,7 +25,7 @@ static void random_transform(uint64_t *state, const double centre[3], double out
 
 typedef struct random_scene {
   csm_config config;
-  csm_frame frame;
+  shot shot;
   uint32_t shape[boxes + 1];
   double transforms[boxes + 1][16];
 } random_scene;
@@ -41,14 +41,14 @@ static void make_scene(random_scene *out, uint64_t seed) {
   out->config.filter = (uint32_t)(seed / 2 % 2);
   out->config.shadow_distance = uniform(&state, 40, 160);
   out->config.bias_normal_texels = seed % 5 == 4 ? 1.5 : 0;
-  out->frame = (csm_frame){.struct_size = sizeof out->frame};
+  out->shot = shot_make(NULL, 0);
   for (int i = 0; i < 3; ++i)
-    out->frame.light_direction[i] = uniform(&state, -1, i == 1 ? -0.1 : 1);
+    out->shot.light.direction[i] = uniform(&state, -1, i == 1 ? -0.1 : 1);
   const double eye[3] = {centre[0] + uniform(&state, -30, 30), centre[1] + uniform(&state, 2, 25),
                          centre[2] + uniform(&state, -30, 30)};
   const double target[3] = {centre[0], centre[1] + 2, centre[2] + 0.5};
-  support_look_at(out->frame.view, eye, target);
-  support_perspective(out->frame.projection, uniform(&state, 25, 90), (double)width / height, 0.2, seed % 2 ? 0 : 400);
+  support_look_at(out->shot.camera.view, eye, target);
+  support_perspective(out->shot.camera.projection, uniform(&state, 25, 90), (double)width / height, 0.2, seed % 2 ? 0 : 400);
   for (uint32_t i = 0; i <= boxes; ++i) {
     out->shape[i] = i < boxes;
     random_transform(&state, centre, out->transforms[i]);
@@ -57,30 +57,30 @@ static void make_scene(random_scene *out, uint64_t seed) {
   memcpy(out->transforms[boxes], ground, sizeof ground);
 }
 
-static csm_frame place(const side *side, const random_scene *scene, csm_instance instances[boxes + 1]) {
-  csm_frame frame = scene->frame;
+static shot place(const side *side, const random_scene *scene, csm_instance instances[boxes + 1]) {
+  shot shot = scene->shot;
   for (uint32_t i = 0; i <= boxes; ++i) {
     instances[i] = support_instance(side->meshes[scene->shape[i]], 0, 0, 0, 1, 1, 1);
     memcpy(instances[i].transform, scene->transforms[i], sizeof scene->transforms[i]);
   }
-  frame.instances = instances;
-  frame.instance_count = boxes + 1;
-  return frame;
+  shot.frame.instances = instances;
+  shot.frame.instance_count = boxes + 1;
+  return shot;
 }
 
 static void draw(side *side, const random_scene *scene) {
   csm_instance instances[boxes + 1];
-  const csm_frame frame = place(side, scene, instances);
+  shot shot = place(side, scene, instances);
   assert_int_equal(csm_cascades_create(side->context, &scene->config, &side->cascades), CSM_SUCCESS);
-  assert_int_equal(csm_render_cascades(side->cascades, &frame), CSM_SUCCESS);
+  assert_int_equal(csm_render_cascades(side->cascades, shot_frame(&shot)), CSM_SUCCESS);
 }
 
-static void resolve(side *side, const random_scene *scene, uint32_t view) {
+static void resolve(side *side, const random_scene *scene, uint32_t show) {
   csm_instance instances[boxes + 1];
-  const csm_frame frame = place(side, scene, instances);
+  shot shot = place(side, scene, instances);
   const csm_mask_info mask = {
-      .struct_size = sizeof mask, .frame = &frame, .width = width, .height = height, .view = view};
-  assert_int_equal(csm_resolve_mask(side->cascades, &mask), CSM_SUCCESS);
+      .struct_size = sizeof mask, .frame = shot_frame(&shot), .width = width, .height = height, .show = show};
+  assert_int_equal(csm_resolve_mask(side->view, side->cascades, &mask), CSM_SUCCESS);
 }
 
 static void backends_agree(void **state) {
@@ -93,14 +93,15 @@ static void backends_agree(void **state) {
     make_scene(&scene, seed);
     draw(&a, &scene);
     draw(&b, &scene);
-    resolve(&a, &scene, CSM_VIEW_SHADOW);
-    resolve(&b, &scene, CSM_VIEW_SHADOW);
+    resolve(&a, &scene, CSM_SHOW_VISIBILITY);
+    resolve(&b, &scene, CSM_SHOW_VISIBILITY);
     sides_same_plan(&a, &b);
     sides_same_images(&a, &b, &scene.config, width, height);
-    for (uint32_t view = CSM_VIEW_CASCADE; view <= CSM_VIEW_DENSITY; ++view) {
-      resolve(&a, &scene, view);
-      resolve(&b, &scene, view);
-      assert_int_equal(sides_compare(&a, &b, CSM_READ_MASK, 0, width, height, 0).texels, 0);
+    for (uint32_t show = CSM_SHOW_CASCADE; show <= CSM_SHOW_DENSITY; ++show) {
+      resolve(&a, &scene, show);
+      resolve(&b, &scene, show);
+      const sides_image mask = {CSM_READ_MASK, 0, width, height};
+      assert_int_equal(sides_compare(&a, &b, &mask, 0).texels, 0);
     }
     assert_int_equal(csm_cascades_destroy(a.cascades), CSM_SUCCESS);
     assert_int_equal(csm_cascades_destroy(b.cascades), CSM_SUCCESS);

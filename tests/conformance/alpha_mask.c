@@ -17,6 +17,7 @@ typedef struct fixture {
   record record;
   csm_context *context;
   csm_cascades *cascades;
+  csm_view *view;
   csm_config config;
   unsigned char texels[texels_v][8]; /* rows with a gap */
   csm_alpha_mask alpha_mask;
@@ -58,6 +59,7 @@ static void open_fixture(fixture *f, uint32_t wrap_u, uint32_t wrap_v, float cut
   assert_int_equal(csm_alpha_mask_create(f->context, &info, &f->alpha_mask), CSM_SUCCESS);
   const csm_mesh_info leaf = leaf_info(f, cutoff);
   assert_int_equal(csm_mesh_create(f->context, &leaf, &f->leaf), CSM_SUCCESS);
+  f->view = support_view(f->context);
   f->ground = support_square(f->context);
   f->config = support_config();
   f->config.cascade_count = 1;
@@ -67,15 +69,15 @@ static void open_fixture(fixture *f, uint32_t wrap_u, uint32_t wrap_v, float cut
 }
 
 /* A leaf of 8 m a side three metres above the ground; turned over, so that it is seen from behind, if asked. */
-static csm_frame draw(fixture *f, csm_instance instances[2], bool turned) {
+static shot draw(fixture *f, csm_instance instances[2], bool turned) {
   instances[0] = support_instance(f->ground, 0, 0, 0, 30, 1, 30);
   instances[1] = support_instance(f->leaf, 0, 3, 0, 4, turned ? -1 : 1, 4);
-  csm_frame frame = {
-      .struct_size = sizeof frame, .light_direction = {0.1, -1, 0.2}, .instances = instances, .instance_count = 2};
-  support_look_at(frame.view, (const double[]){0, 9, 9}, (const double[]){0, 0, 0});
-  support_perspective(frame.projection, 60, 1, 0.5, 100);
-  assert_int_equal(csm_render_cascades(f->cascades, &frame), CSM_SUCCESS);
-  return frame;
+  shot shot = shot_make(instances, 2);
+  memcpy(shot.light.direction, (const double[]){0.1, -1, 0.2}, sizeof shot.light.direction);
+  support_look_at(shot.camera.view, (const double[]){0, 9, 9}, (const double[]){0, 0, 0});
+  support_perspective(shot.camera.projection, 60, 1, 0.5, 100);
+  assert_int_equal(csm_render_cascades(f->cascades, shot_frame(&shot)), CSM_SUCCESS);
+  return shot;
 }
 
 static int wrapped(int index, int size, uint32_t mode) {
@@ -140,7 +142,7 @@ static void casters_are_cut_out(void **state) {
     csm_instance instances[2];
     open_fixture(&f, wrap_u, wrap_v, cutoff);
     draw(&f, instances, mode == 4); /* from both sides */
-    float *map = support_read(f.cascades, CSM_READ_MAP, 0, resolution, resolution);
+    float *map = support_map(f.context, f.cascades, 0, resolution);
     check_map(&f, map, wrap_u, wrap_v, cutoff);
     free(map);
     support_close(f.context, &f.record);
@@ -154,17 +156,16 @@ static void the_camera_sees_through(void **state) {
   fixture f;
   csm_instance instances[2];
   open_fixture(&f, CSM_WRAP_REPEAT, CSM_WRAP_MIRROR, 0.5f);
-  csm_frame frame = draw(&f, instances, false);
-  const csm_mask_info mask = {.struct_size = sizeof mask, .frame = &frame, .width = side, .height = side};
-  assert_int_equal(csm_resolve_mask(f.cascades, &mask), CSM_SUCCESS);
-  float *depth = support_read(f.cascades, CSM_READ_CAMERA_DEPTH, 0, side, side);
+  shot shot = draw(&f, instances, false);
+  assert_int_equal(shot_resolve(&shot, f.view, f.cascades, side, side), CSM_SUCCESS);
+  float *depth = support_image(f.context, f.view, CSM_READ_CAMERA_DEPTH, side, side);
   uint32_t solid = 0, clear = 0, wrong = 0;
   for (int i = 0; i < 300; ++i)
     for (int k = 0; k < 300; ++k) {
       const double point[3] = {(i + 0.5) / 300 * 7.8 - 3.9, 3, (k + 0.5) / 300 * 7.8 - 3.9};
       double local[3], clip[3];
-      support_apply(frame.view, point, local);
-      const double w = support_apply(frame.projection, local, clip);
+      support_apply(shot.camera.view, point, local);
+      const double w = support_apply(shot.camera.projection, local, clip);
       const int x = (int)floor((clip[0] / w + 1) / 2 * side), y = (int)floor((1 - clip[1] / w) / 2 * side);
       const double alpha = alpha_mask_at(&f, -1.25 + 3.75 * (point[0] + 4) / 8, -0.5 + 2.25 * (point[2] + 4) / 8,
                                          CSM_WRAP_REPEAT, CSM_WRAP_MIRROR);
@@ -243,7 +244,7 @@ static void a_switch_keeps_the_holes(void **state) {
   info.backend = !strcmp(support_backend(), "vulkan") ? "d3d12" : "vulkan";
   assert_int_equal(csm_switch_backend(f.context, &info), CSM_SUCCESS);
   draw(&f, instances, false);
-  float *map = support_read(f.cascades, CSM_READ_MAP, 0, resolution, resolution);
+  float *map = support_map(f.context, f.cascades, 0, resolution);
   check_map(&f, map, CSM_WRAP_MIRROR, CSM_WRAP_CLAMP, 0.5);
   free(map);
   support_close(f.context, &f.record);

@@ -25,18 +25,19 @@ static void open_fixture(fixture *f) {
   support_scene scene;
   support_scene_make(&scene, f->context);
   assert_int_equal(csm_cascades_create(f->context, &f->good, &f->cascades), CSM_SUCCESS);
-  assert_int_equal(csm_render_cascades(f->cascades, &scene.frame), CSM_SUCCESS);
+  assert_int_equal(csm_render_cascades(f->cascades, shot_frame(&scene.shot)), CSM_SUCCESS);
   f->binding.struct_size = sizeof f->binding;
   assert_int_equal(csm_bind(f->cascades, &f->binding), CSM_SUCCESS);
-  f->map = support_read(f->cascades, CSM_READ_MAP, 0, resolution, resolution);
+  f->map = support_map(f->context, f->cascades, 0, resolution);
 }
 
 /* What was drawn is there as it was. */
 static void close_fixture(fixture *f) {
   csm_binding binding = {.struct_size = sizeof binding};
   assert_int_equal(csm_bind(f->cascades, &binding), CSM_SUCCESS);
-  assert_memory_equal(&binding, &f->binding, sizeof binding);
-  float *map = support_read(f->cascades, CSM_READ_MAP, 0, resolution, resolution);
+  support_same_binding(&binding, &f->binding);
+  assert_true(binding.native_maps == f->binding.native_maps);
+  float *map = support_map(f->context, f->cascades, 0, resolution);
   assert_memory_equal(map, f->map, texels * sizeof *map);
   free(map);
   free(f->map);

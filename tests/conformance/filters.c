@@ -16,8 +16,9 @@ typedef struct fixture {
   csm_context *context;
   csm_mesh ground, box;
   csm_instance instances[8];
-  csm_frame frame;
+  shot shot;
   csm_cascades *cascades;
+  csm_view *view;
   csm_binding binding;
   float *map, *depth, *mask;
 } fixture;
@@ -35,13 +36,12 @@ static void open_fixture(fixture *f) {
   to[2] = support_instance(f->box, -7, 7, -4, 0.2, 0.2, 5);
   to[3] = support_instance(f->box, 5, 6, 2, 1, 1, 1);
   to[4] = support_instance(f->box, 5, 8, -6, 4, 0.1, 0.15);
-  f->frame = (csm_frame){.struct_size = sizeof f->frame,
-                         .light_direction = {0.3, -1, 0.2},
-                         .instances = f->instances,
-                         .instance_count = 5};
+  f->view = support_view(f->context);
+  f->shot = shot_make(f->instances, 5);
+  memcpy(f->shot.light.direction, (const double[]){0.3, -1, 0.2}, sizeof f->shot.light.direction);
   /* Looks down from below the boxes, and so sees the ground alone. */
-  support_look_at(f->frame.view, (const double[]){1, 4, 9}, (const double[]){1, 0, 0});
-  support_perspective(f->frame.projection, 50, (double)width / height, 0.1, 100);
+  support_look_at(f->shot.camera.view, (const double[]){1, 4, 9}, (const double[]){1, 0, 0});
+  support_perspective(f->shot.camera.projection, 50, (double)width / height, 0.1, 100);
 }
 
 static void close_fixture(fixture *f) {
@@ -60,14 +60,13 @@ static csm_config one_map(uint32_t filter) {
 
 static void draw(fixture *f, const csm_config *config) {
   assert_int_equal(csm_cascades_create(f->context, config, &f->cascades), CSM_SUCCESS);
-  assert_int_equal(csm_render_cascades(f->cascades, &f->frame), CSM_SUCCESS);
-  const csm_mask_info mask = {.struct_size = sizeof mask, .frame = &f->frame, .width = width, .height = height};
-  assert_int_equal(csm_resolve_mask(f->cascades, &mask), CSM_SUCCESS);
+  assert_int_equal(csm_render_cascades(f->cascades, shot_frame(&f->shot)), CSM_SUCCESS);
+  assert_int_equal(shot_resolve(&f->shot, f->view, f->cascades, width, height), CSM_SUCCESS);
   f->binding = (csm_binding){.struct_size = sizeof f->binding};
   assert_int_equal(csm_bind(f->cascades, &f->binding), CSM_SUCCESS);
-  f->mask = support_read(f->cascades, CSM_READ_MASK, 0, width, height);
-  f->depth = support_read(f->cascades, CSM_READ_CAMERA_DEPTH, 0, width, height);
-  f->map = support_read(f->cascades, CSM_READ_MAP, 0, f->binding.resolutions[0], f->binding.resolutions[0]);
+  f->mask = support_image(f->context, f->view, CSM_READ_MASK, width, height);
+  f->depth = support_image(f->context, f->view, CSM_READ_CAMERA_DEPTH, width, height);
+  f->map = support_map(f->context, f->cascades, 0, f->binding.resolutions[0]);
 }
 
 static void forget(fixture *f) {
@@ -103,14 +102,14 @@ static kernel make_kernel(const csm_config *config) {
 
 /* Whether a pixel sees a surface before the end of shadows. */
 static bool within(const fixture *f, const csm_config *config, uint32_t pixel) {
-  const double *p = f->frame.projection;
+  const double *p = f->shot.camera.projection;
   const double depth = p[14] / (p[10] + (double)f->depth[pixel]);
   return f->depth[pixel] > 0 && depth < 0.99 * config->shadow_distance;
 }
 
 /* The world position that the camera sees at a pixel. */
 static void position_at(const fixture *f, uint32_t x, uint32_t y, double out[3]) {
-  const double *p = f->frame.projection, *v = f->frame.view;
+  const double *p = f->shot.camera.projection, *v = f->shot.camera.view;
   const double z = -p[14] / (p[10] + (double)f->depth[y * width + x]);
   const double ndc[2] = {(x + 0.5) / width * 2 - 1, 1 - (y + 0.5) / height * 2};
   const double local[3] = {ndc[0] * -z / p[0], ndc[1] * -z / p[5], z};
@@ -254,7 +253,7 @@ static void expect_all(fixture *f, const csm_config *config, float expected, con
   if (wrong)
     fail_msg("%s: filter %u, format %u, reversed %u, layout %u, resolution %u, light %g, %g, %g: %u pixels are not %g",
              what, config->filter, config->map_format, config->map_reversed, config->map_layout, config->resolution,
-             f->frame.light_direction[0], f->frame.light_direction[1], f->frame.light_direction[2], wrong,
+             f->shot.light.direction[0], f->shot.light.direction[1], f->shot.light.direction[2], wrong,
              (double)expected);
   forget(f);
 }
@@ -282,10 +281,10 @@ static void a_plane_is_lit_and_a_covered_one_is_not(void **state) {
   for (uint32_t filter = 0; filter <= CSM_FILTER_GRID_17; ++filter)
     for (uint32_t shape = 0; shape < 8; ++shape) {
       const csm_config config = variant(filter, shape);
-      memcpy(f.frame.light_direction, suns[(shape + filter) % 5], sizeof suns[0]);
-      f.frame.instance_count = 1;
+      memcpy(f.shot.light.direction, suns[(shape + filter) % 5], sizeof suns[0]);
+      f.shot.frame.instance_count = 1;
       expect_all(&f, &config, 1, "an uncovered plane");
-      f.frame.instance_count = 2;
+      f.shot.frame.instance_count = 2;
       expect_all(&f, &config, 0, "a covered plane");
     }
   close_fixture(&f);

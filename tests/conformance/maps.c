@@ -11,6 +11,7 @@ typedef struct drawn {
   record record;
   csm_context *context;
   csm_cascades *cascades;
+  csm_view *view;
   csm_config config;
   support_scene scene;
   csm_binding binding;
@@ -19,17 +20,17 @@ typedef struct drawn {
 static void draw(drawn *d, const csm_config *config) {
   memset(&d->record, 0, sizeof d->record);
   d->context = support_open(&d->record);
+  d->view = support_view(d->context);
   d->config = *config;
   support_scene_make(&d->scene, d->context);
   assert_int_equal(csm_cascades_create(d->context, config, &d->cascades), CSM_SUCCESS);
-  assert_int_equal(csm_render_cascades(d->cascades, &d->scene.frame), CSM_SUCCESS);
+  assert_int_equal(csm_render_cascades(d->cascades, shot_frame(&d->scene.shot)), CSM_SUCCESS);
   d->binding = (csm_binding){.struct_size = sizeof d->binding};
   assert_int_equal(csm_bind(d->cascades, &d->binding), CSM_SUCCESS);
 }
 
 static void resolve(drawn *d) {
-  const csm_mask_info info = {.struct_size = sizeof info, .frame = &d->scene.frame, .width = width, .height = height};
-  assert_int_equal(csm_resolve_mask(d->cascades, &info), CSM_SUCCESS);
+  assert_int_equal(shot_resolve(&d->scene.shot, d->view, d->cascades, width, height), CSM_SUCCESS);
 }
 
 static void finish(drawn *d) {
@@ -89,7 +90,7 @@ static void maps_hold_the_nearest_casters(void **state) {
   double corners[SUPPORT_TRIANGLES][3][3];
   support_triangles(&d.scene, corners);
   for (uint32_t cascade = 0; cascade < config.cascade_count; ++cascade) {
-    float *map = support_read(d.cascades, CSM_READ_MAP, cascade, config.resolution, config.resolution);
+    float *map = support_map(d.context, d.cascades, cascade, config.resolution);
     check_map(&d, cascade, corners, map);
     free(map);
   }
@@ -107,7 +108,7 @@ static void nearer_casters_are_not_lost(void **state) {
   support_triangles(&d.scene, corners);
   uint32_t clamped = 0;
   for (uint32_t cascade = 0; cascade < config.cascade_count; ++cascade) {
-    float *map = support_read(d.cascades, CSM_READ_MAP, cascade, config.resolution, config.resolution);
+    float *map = support_map(d.context, d.cascades, cascade, config.resolution);
     check_map(&d, cascade, corners, map);
     for (uint32_t i = 0; i < config.resolution * config.resolution; ++i)
       clamped += map[i] == 0;
@@ -118,8 +119,8 @@ static void nearer_casters_are_not_lost(void **state) {
 }
 
 /* The ray through a pixel's centre, from the eye. */
-static void pixel_ray(const csm_frame *frame, uint32_t x, uint32_t y, double origin[3], double direction[3]) {
-  const double *v = frame->view, *p = frame->projection;
+static void pixel_ray(const shot *shot, uint32_t x, uint32_t y, double origin[3], double direction[3]) {
+  const double *v = shot->camera.view, *p = shot->camera.projection;
   const double ndc_x = (x + 0.5) / width * 2 - 1, ndc_y = 1 - (y + 0.5) / height * 2;
   const double local[3] = {ndc_x / p[0], ndc_y / p[5], -1};
   for (int i = 0; i < 3; ++i) {
@@ -131,12 +132,12 @@ static void pixel_ray(const csm_frame *frame, uint32_t x, uint32_t y, double ori
 static void check_mask(const drawn *d, const float *mask, const float *depth) {
   double corners[SUPPORT_TRIANGLES][3][3];
   support_triangles(&d->scene, corners);
-  const csm_frame *frame = &d->scene.frame;
+  const shot *shot = &d->scene.shot;
   uint32_t lit = 0, dark = 0, wrong = 0, sky = 0;
   for (uint32_t y = 0; y < height; ++y) {
     for (uint32_t x = 0; x < width; ++x) {
       double origin[3], direction[3], edge, light_edge;
-      pixel_ray(frame, x, y, origin, direction);
+      pixel_ray(shot, x, y, origin, direction);
       const double t = support_trace(corners, SUPPORT_TRIANGLES, origin, direction, &edge);
       const float value = mask[y * width + x];
       if (t < 0 && edge == 1) {
@@ -145,11 +146,11 @@ static void check_mask(const drawn *d, const float *mask, const float *depth) {
       }
       if (t < 0 || edge < 0.02 || t > 55)
         continue;
-      const double *p = frame->projection;
+      const double *p = shot->camera.projection;
       assert_float_equal(depth[y * width + x], (p[10] * -t + p[14]) / t, 1e-6);
       double surface[3], to_light[3];
       for (int i = 0; i < 3; ++i) {
-        to_light[i] = -frame->light_direction[i];
+        to_light[i] = -shot->light.direction[i];
         surface[i] = origin[i] + direction[i] * t * (1 - 1e-6);
       }
       /* Only points well inside light or shadow: rays to the light from a texel and more around agree. */
@@ -182,8 +183,8 @@ static void mask_agrees_with_rays(void **state) {
     config.resolution = 1024;
     draw(&d, &config);
     resolve(&d);
-    float *mask = support_read(d.cascades, CSM_READ_MASK, 0, width, height);
-    float *depth = support_read(d.cascades, CSM_READ_CAMERA_DEPTH, 0, width, height);
+    float *mask = support_image(d.context, d.view, CSM_READ_MASK, width, height);
+    float *depth = support_image(d.context, d.view, CSM_READ_CAMERA_DEPTH, width, height);
     check_mask(&d, mask, depth);
     free(mask);
     free(depth);
@@ -198,7 +199,7 @@ static void the_camera_clips_at_its_near_plane(void **state) {
   const csm_config config = support_config();
   draw(&d, &config);
   resolve(&d);
-  float *before = support_read(d.cascades, CSM_READ_CAMERA_DEPTH, 0, width, height);
+  float *before = support_image(d.context, d.view, CSM_READ_CAMERA_DEPTH, width, height);
   const double eye[3] = {-4, 6, 12}, ahead[3] = {0, 0, -4};
   csm_instance *box = &d.scene.instances[5];
   for (int i = 0; i < 3; ++i) {
@@ -206,7 +207,7 @@ static void the_camera_clips_at_its_near_plane(void **state) {
     box->transform[12 + i] = eye[i] + (ahead[i] - eye[i]) * 0.003;
   }
   resolve(&d);
-  float *after = support_read(d.cascades, CSM_READ_CAMERA_DEPTH, 0, width, height);
+  float *after = support_image(d.context, d.view, CSM_READ_CAMERA_DEPTH, width, height);
   for (uint32_t i = 0; i < width * height; ++i)
     assert_true(after[i] <= before[i]);
   free(before);
@@ -232,31 +233,29 @@ static void frames_in_flight_do_not_disturb_each_other(void **state) {
   other.resolution = 64;
   other.filter = CSM_FILTER_PCF_2X2;
   for (int i = 0; i < 12; ++i) {
-    csm_frame moved = busy.scene.frame;
-    moved.view[12] += i;
+    shot moved = busy.scene.shot;
+    moved.camera.view[12] += i;
     const csm_mesh extra = support_box(busy.context, 2);
     csm_instance instances[2] = {busy.scene.instances[0], support_instance(extra, 0, 2, 0, 1, 2, 1)};
-    moved.instances = instances;
-    moved.instance_count = 2;
+    moved.frame.instances = instances;
+    moved.frame.instance_count = 2;
     assert_int_equal(csm_cascades_configure(busy.cascades, i % 2 ? &other : &config), CSM_SUCCESS);
-    assert_int_equal(csm_render_cascades(busy.cascades, &moved), CSM_SUCCESS);
-    const csm_mask_info info = {
-        .struct_size = sizeof info, .frame = &moved, .width = width - (uint32_t)i % 3, .height = height};
-    assert_int_equal(csm_resolve_mask(busy.cascades, &info), CSM_SUCCESS);
+    assert_int_equal(csm_render_cascades(busy.cascades, shot_frame(&moved)), CSM_SUCCESS);
+    assert_int_equal(shot_resolve(&moved, busy.view, busy.cascades, width - (uint32_t)i % 3, height), CSM_SUCCESS);
     assert_int_equal(csm_mesh_destroy(busy.context, extra), CSM_SUCCESS);
   }
   assert_int_equal(csm_cascades_configure(busy.cascades, &config), CSM_SUCCESS);
-  assert_int_equal(csm_render_cascades(busy.cascades, &busy.scene.frame), CSM_SUCCESS);
+  assert_int_equal(csm_render_cascades(busy.cascades, shot_frame(&busy.scene.shot)), CSM_SUCCESS);
   resolve(&busy);
   for (uint32_t cascade = 0; cascade < config.cascade_count; ++cascade) {
-    float *a = support_read(fresh.cascades, CSM_READ_MAP, cascade, 256, 256);
-    float *b = support_read(busy.cascades, CSM_READ_MAP, cascade, 256, 256);
+    float *a = support_map(fresh.context, fresh.cascades, cascade, 256);
+    float *b = support_map(busy.context, busy.cascades, cascade, 256);
     assert_true(same(a, b, 256 * 256));
     free(a);
     free(b);
   }
-  float *a = support_read(fresh.cascades, CSM_READ_MASK, 0, width, height);
-  float *b = support_read(busy.cascades, CSM_READ_MASK, 0, width, height);
+  float *a = support_image(fresh.context, fresh.view, CSM_READ_MASK, width, height);
+  float *b = support_image(busy.context, busy.view, CSM_READ_MASK, width, height);
   assert_true(same(a, b, width * height));
   free(a);
   free(b);
@@ -269,12 +268,12 @@ static void an_empty_scene_is_lit(void **state) {
   drawn d;
   const csm_config config = support_config();
   draw(&d, &config);
-  d.scene.frame.instance_count = 0;
-  d.scene.frame.instances = NULL;
-  assert_int_equal(csm_render_cascades(d.cascades, &d.scene.frame), CSM_SUCCESS);
+  d.scene.shot.frame.instance_count = 0;
+  d.scene.shot.frame.instances = NULL;
+  assert_int_equal(csm_render_cascades(d.cascades, shot_frame(&d.scene.shot)), CSM_SUCCESS);
   resolve(&d);
-  float *mask = support_read(d.cascades, CSM_READ_MASK, 0, width, height);
-  float *map = support_read(d.cascades, CSM_READ_MAP, 1, config.resolution, config.resolution);
+  float *mask = support_image(d.context, d.view, CSM_READ_MASK, width, height);
+  float *map = support_map(d.context, d.cascades, 1, config.resolution);
   for (uint32_t i = 0; i < width * height; ++i)
     assert_true(mask[i] == 1);
   for (uint32_t i = 0; i < config.resolution * config.resolution; ++i)
@@ -291,9 +290,12 @@ static void stats_count_and_measure(void **state) {
   draw(&d, &config);
   csm_stats stats = {.struct_size = sizeof stats};
   assert_int_equal(csm_get_stats(d.cascades, &stats), CSM_SUCCESS);
-  assert_true(stats.cascades[0].gpu_ms < 0 && stats.mask_gpu_ms < 0);
-  d.scene.frame.flags = CSM_FRAME_TIMESTAMPS;
-  assert_int_equal(csm_render_cascades(d.cascades, &d.scene.frame), CSM_SUCCESS);
+  assert_true(stats.cascades[0].gpu_ms < 0);
+  csm_view_stats view = {.struct_size = sizeof view};
+  assert_int_equal(csm_get_view_stats(d.view, &view), CSM_SUCCESS);
+  assert_true(view.mask_gpu_ms < 0 && view.width == 0 && view.bytes == 0);
+  d.scene.shot.frame.flags = CSM_FRAME_TIMESTAMPS;
+  assert_int_equal(csm_render_cascades(d.cascades, shot_frame(&d.scene.shot)), CSM_SUCCESS);
   resolve(&d);
   assert_int_equal(csm_get_stats(d.cascades, &stats), CSM_SUCCESS);
   assert_int_equal(stats.cascade_count, config.cascade_count);
@@ -303,7 +305,11 @@ static void stats_count_and_measure(void **state) {
     assert_true(cascade->casters_drawn > 0 && cascade->triangles_drawn >= cascade->casters_drawn * 2);
     assert_true(cascade->gpu_ms >= 0);
   }
-  assert_true(stats.clear_gpu_ms >= 0 && stats.camera_depth_gpu_ms > 0 && stats.mask_gpu_ms > 0);
+  assert_true(stats.clear_gpu_ms >= 0);
+  assert_int_equal(csm_get_view_stats(d.view, &view), CSM_SUCCESS);
+  assert_true(view.camera_depth_gpu_ms > 0 && view.mask_gpu_ms > 0);
+  assert_true(view.width == width && view.height == height && view.bytes >= 5ull * width * height);
+  assert_int_equal(stats.instances, SUPPORT_INSTANCES);
   assert_true(stats.map_bytes >= 3ull * 256 * 256 * 4 && stats.geometry_bytes > 0 && stats.plan_hash);
   finish(&d);
 }

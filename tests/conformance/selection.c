@@ -15,15 +15,17 @@ typedef struct fixture {
   record record;
   csm_context *context;
   telling scene;
-  csm_frame frame;
+  shot shot;
   csm_cascades *cascades;
+  csm_view *view;
 } fixture;
 
 static void open_fixture(fixture *f) {
   memset(f, 0, sizeof *f);
   f->context = support_open(&f->record);
   telling_make(&f->scene, f->context);
-  f->frame = telling_frame(&f->scene, 0, 0, (double)width / height);
+  f->view = support_view(f->context);
+  f->shot = telling_shot(&f->scene, 0, 0, (double)width / height);
 }
 
 static void close_fixture(fixture *f) {
@@ -37,9 +39,8 @@ static csm_config base_config(void) {
 }
 
 static void render(fixture *f) {
-  assert_int_equal(csm_render_cascades(f->cascades, &f->frame), CSM_SUCCESS);
-  const csm_mask_info mask = {.struct_size = sizeof mask, .frame = &f->frame, .width = width, .height = height};
-  assert_int_equal(csm_resolve_mask(f->cascades, &mask), CSM_SUCCESS);
+  assert_int_equal(csm_render_cascades(f->cascades, shot_frame(&f->shot)), CSM_SUCCESS);
+  assert_int_equal(shot_resolve(&f->shot, f->view, f->cascades, width, height), CSM_SUCCESS);
 }
 
 static void begin(fixture *f, const csm_config *config) {
@@ -53,7 +54,7 @@ static void end(fixture *f) {
 
 static float *mask_of(fixture *f, const csm_config *config) {
   begin(f, config);
-  float *mask = support_read(f->cascades, CSM_READ_MASK, 0, width, height);
+  float *mask = support_image(f->context, f->view, CSM_READ_MASK, width, height);
   end(f);
   return mask;
 }
@@ -61,12 +62,12 @@ static float *mask_of(fixture *f, const csm_config *config) {
 /* The view depth of every pixel, and the depths where cascades begin and end; 0 where nothing is. */
 static float *depths_of(fixture *f, const csm_config *config, csm_binding *binding) {
   begin(f, config);
-  float *depths = support_read(f->cascades, CSM_READ_CAMERA_DEPTH, 0, width, height);
+  float *depths = support_image(f->context, f->view, CSM_READ_CAMERA_DEPTH, width, height);
   *binding = (csm_binding){.struct_size = sizeof *binding};
   assert_int_equal(csm_bind(f->cascades, binding), CSM_SUCCESS);
   end(f);
   for (int i = 0; i < pixels; ++i)
-    depths[i] = depths[i] > 0 ? (float)f->frame.projection[14] / depths[i] : 0;
+    depths[i] = depths[i] > 0 ? (float)f->shot.camera.projection[14] / depths[i] : 0;
   return depths;
 }
 
@@ -161,12 +162,12 @@ static void blends_go_over_at_both_ends(void **state) {
 
 /* How many texels of one map seen from straight above are not empty, and the last of their depths. */
 static uint32_t covered(fixture *f, const csm_config *config, const csm_instance *instance, float *depth) {
-  const csm_frame frame = f->frame;
-  f->frame.instances = instance;
-  f->frame.instance_count = 1;
-  f->frame.light_direction[0] = f->frame.light_direction[2] = 0;
+  const shot before = f->shot;
+  f->shot.frame.instances = instance;
+  f->shot.frame.instance_count = 1;
+  f->shot.light.direction[0] = f->shot.light.direction[2] = 0;
   begin(f, config);
-  float *map = support_read(f->cascades, CSM_READ_MAP, 0, config->resolution, config->resolution);
+  float *map = support_map(f->context, f->cascades, 0, config->resolution);
   const float clear = config->map_reversed ? 0.0f : 1.0f;
   uint32_t count = 0;
   for (uint32_t i = 0; i < config->resolution * config->resolution; ++i)
@@ -176,7 +177,7 @@ static uint32_t covered(fixture *f, const csm_config *config, const csm_instance
     }
   free(map);
   end(f);
-  f->frame = frame;
+  f->shot = before;
   return count;
 }
 
@@ -297,15 +298,15 @@ static void patterns_do_not_swim(void **state) {
   (void)state;
   fixture f;
   open_fixture(&f);
-  csm_frame *frame = &f.frame;
-  memset(frame->view, 0, sizeof frame->view);
-  memset(frame->projection, 0, sizeof frame->projection);
-  frame->view[0] = frame->view[6] = frame->view[15] = 1; /* straight down */
-  frame->view[9] = -1;
-  frame->projection[0] = 2.0 / (width / 8.0);
-  frame->projection[5] = 2.0 / (height / 8.0);
-  frame->projection[10] = -1.0 / 64;
-  frame->projection[15] = 1;
+  shot *shot = &f.shot;
+  memset(shot->camera.view, 0, sizeof shot->camera.view);
+  memset(shot->camera.projection, 0, sizeof shot->camera.projection);
+  shot->camera.view[0] = shot->camera.view[6] = shot->camera.view[15] = 1; /* straight down */
+  shot->camera.view[9] = -1;
+  shot->camera.projection[0] = 2.0 / (width / 8.0);
+  shot->camera.projection[5] = 2.0 / (height / 8.0);
+  shot->camera.projection[10] = -1.0 / 64;
+  shot->camera.projection[15] = 1;
   for (uint32_t filter = CSM_FILTER_POISSON; filter <= CSM_FILTER_VOGEL; ++filter) {
     csm_config config = base_config();
     config.cascade_count = 1;
@@ -315,11 +316,11 @@ static void patterns_do_not_swim(void **state) {
     config.filter_radius_texels = 4;
     float *masks[2], *depths[2];
     for (int step = 0; step < 2; ++step) {
-      frame->view[12] = -step * 0.125;
-      frame->view[14] = -40; /* from 40 m above, so that nothing but the mast is cut */
+      shot->camera.view[12] = -step * 0.125;
+      shot->camera.view[14] = -40; /* from 40 m above, so that nothing but the mast is cut */
       begin(&f, &config);
-      masks[step] = support_read(f.cascades, CSM_READ_MASK, 0, width, height);
-      depths[step] = support_read(f.cascades, CSM_READ_CAMERA_DEPTH, 0, width, height);
+      masks[step] = support_image(f.context, f.view, CSM_READ_MASK, width, height);
+      depths[step] = support_image(f.context, f.view, CSM_READ_CAMERA_DEPTH, width, height);
       end(&f);
     }
     uint32_t differ = 0, between = 0;
@@ -360,7 +361,7 @@ static void samples_settle_and_cost_nothing(void **state) {
       const uint64_t allocations = f.record.allocations;
       render(&f);
       assert_true(i < 4 || f.record.allocations == allocations);
-      float *mask = support_read(f.cascades, CSM_READ_MASK, 0, width, height);
+      float *mask = support_image(f.context, f.view, CSM_READ_MASK, width, height);
       if (i > 4)
         assert_memory_equal(mask, before, pixels * sizeof *mask);
       free(before);

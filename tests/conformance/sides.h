@@ -9,6 +9,7 @@ typedef struct side {
   csm_context *context;
   csm_mesh meshes[2]; /* a square, a box */
   csm_cascades *cascades;
+  csm_view *view;
 } side;
 
 void side_open(side *side, const char *backend);
@@ -23,8 +24,13 @@ typedef struct sides_difference {
   double lit, shaded; /* shares of a mask at 1, and at 0 */
 } sides_difference;
 
-sides_difference sides_compare(const side *a, const side *b, uint32_t source, uint32_t cascade, uint32_t width,
-                               uint32_t height, float tolerance);
+/* What is compared. */
+typedef struct sides_image {
+  uint32_t source, cascade; /* CSM_READ_* */
+  uint32_t width, height;
+} sides_image;
+
+sides_difference sides_compare(const side *a, const side *b, const sides_image *image, float tolerance);
 /* Maps and camera depth bit for bit, masks within 1/255 on all but 0.01 % of pixels; returns the masks' difference. */
 sides_difference sides_same_images(const side *a, const side *b, const csm_config *config, uint32_t width,
                                    uint32_t height);

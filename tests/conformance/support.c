@@ -28,6 +28,9 @@ static void CSM_CALL count_log(void *user, int32_t level, const char *message) {
   record *record = user;
   record->errors += level == CSM_LOG_ERROR;
   record->warnings += level == CSM_LOG_WARNING;
+  const size_t length = strlen(record->said);
+  if (level == CSM_LOG_ERROR)
+    snprintf(record->said + length, sizeof record->said - length, "%s\n", message);
   if (level <= CSM_LOG_WARNING && !record->quiet)
     fprintf(stderr, "%s: %s\n", record->backend, message);
 }
@@ -165,6 +168,28 @@ double support_apply(const double m[16], const double p[3], double out[3]) {
   return w;
 }
 
+/* ---- shots ---- */
+
+shot shot_make(const csm_instance *instances, uint32_t count) {
+  return (shot){
+      .frame = {.struct_size = sizeof(csm_frame), .instances = instances, .instance_count = count},
+      .camera = {.struct_size = sizeof(csm_camera)},
+      .light = {.struct_size = sizeof(csm_light)},
+  };
+}
+
+const csm_frame *shot_frame(shot *shot) {
+  shot->frame.camera = &shot->camera;
+  shot->frame.light = &shot->light;
+  return &shot->frame;
+}
+
+csm_result shot_resolve(shot *shot, csm_view *view, csm_cascades *cascades, uint32_t width, uint32_t height) {
+  const csm_mask_info info = {
+      .struct_size = sizeof info, .frame = shot_frame(shot), .width = width, .height = height};
+  return csm_resolve_mask(view, cascades, &info);
+}
+
 /* ---- the scene ---- */
 
 void support_scene_make(support_scene *scene, csm_context *context) {
@@ -176,14 +201,10 @@ void support_scene_make(support_scene *scene, csm_context *context) {
   scene->instances[3] = support_instance(small, -7, 5, -12, 3, 0.1, 2);
   scene->instances[4] = support_instance(wide, 3, 30, -15, 4, 0.5, 4);
   scene->instances[5] = support_instance(small, -3, 0.5, 4, 0.5, 0.5, 0.5);
-  scene->frame = (csm_frame){
-      .struct_size = sizeof(csm_frame),
-      .light_direction = {0.4, -1, 0.25},
-      .instances = scene->instances,
-      .instance_count = SUPPORT_INSTANCES,
-  };
-  support_look_at(scene->frame.view, (const double[]){-4, 6, 12}, (const double[]){0, 0, -4});
-  support_perspective(scene->frame.projection, 55, 1.5, 0.25, 200);
+  scene->shot = shot_make(scene->instances, SUPPORT_INSTANCES);
+  memcpy(scene->shot.light.direction, (const double[]){0.4, -1, 0.25}, sizeof scene->shot.light.direction);
+  support_look_at(scene->shot.camera.view, (const double[]){-4, 6, 12}, (const double[]){0, 0, -4});
+  support_perspective(scene->shot.camera.projection, 55, 1.5, 0.25, 200);
 }
 
 void support_triangles(const support_scene *scene, double corners[SUPPORT_TRIANGLES][3][3]) {
@@ -238,14 +259,42 @@ csm_config support_config(void) {
   return config;
 }
 
-float *support_read(csm_cascades *cascades, uint32_t source, uint32_t cascade, uint32_t width, uint32_t height) {
-  const size_t size = (size_t)width * height * sizeof(float);
-  float *data = malloc(size);
-  assert_non_null(data);
-  const csm_read_info info = {
-      .struct_size = sizeof info, .source = source, .cascade = cascade, .data = data, .size = size};
-  assert_int_equal(csm_read(cascades, &info), CSM_SUCCESS);
-  return data;
+csm_view *support_view(csm_context *context) {
+  csm_view *view = NULL;
+  assert_int_equal(csm_view_create(context, &view), CSM_SUCCESS);
+  assert_non_null(view);
+  return view;
+}
+
+static float *read_texels(csm_context *context, csm_read_info info, uint32_t width, uint32_t height) {
+  info.struct_size = sizeof info;
+  info.size = (uint64_t)width * height * sizeof(float);
+  info.data = malloc(info.size);
+  assert_non_null(info.data);
+  assert_int_equal(csm_read(context, &info), CSM_SUCCESS);
+  return info.data;
+}
+
+float *support_map(csm_context *context, csm_cascades *cascades, uint32_t cascade, uint32_t resolution) {
+  return read_texels(context, (csm_read_info){.source = CSM_READ_MAP, .cascades = cascades, .cascade = cascade},
+                     resolution, resolution);
+}
+
+float *support_image(csm_context *context, csm_view *view, uint32_t source, uint32_t width, uint32_t height) {
+  return read_texels(context, (csm_read_info){.source = source, .view = view}, width, height);
+}
+
+void support_same_binding(const csm_binding *a, const csm_binding *b) {
+  assert_int_equal(a->cascade_count, b->cascade_count);
+  assert_memory_equal(a->origin, b->origin, sizeof a->origin);
+  assert_memory_equal(a->cascades, b->cascades, sizeof a->cascades);
+  assert_memory_equal(a->resolutions, b->resolutions, sizeof a->resolutions);
+  assert_int_equal(a->cascade_constants_size, b->cascade_constants_size);
+  assert_int_equal(a->setting_constants_size, b->setting_constants_size);
+  assert_true(a->cascade_constants_size > 0);
+  assert_memory_equal(a->cascade_constants, b->cascade_constants, a->cascade_constants_size);
+  if (a->setting_constants_size)
+    assert_memory_equal(a->setting_constants, b->setting_constants, a->setting_constants_size);
 }
 
 /* ---- the program ---- */

@@ -21,6 +21,7 @@ typedef struct record {
   int64_t blocks;           /* live */
   uint64_t allocations;     /* made so far */
   int64_t allocations_left; /* then allocation fails; negative: never */
+  char said[1024];          /* the errors since the caller emptied it, a line each, as far as they fit */
 } record;
 
 csm_create_info support_create_info(record *record);
@@ -38,11 +39,24 @@ csm_instance support_instance(csm_mesh mesh, double x, double y, double z, doubl
 void support_look_at(double view[16], const double eye[3], const double target[3]);
 void support_perspective(double projection[16], double fov_y_degrees, double aspect, double near, double far);
 
+/* A frame with the camera and the light that it points to. */
+typedef struct shot {
+  csm_frame frame;
+  csm_camera camera;
+  csm_light light;
+} shot;
+/* With its structs' sizes; of instances, which may be NULL. */
+shot shot_make(const csm_instance *instances, uint32_t count);
+/* The frame, which points to what lies beside it: called again for each copy. */
+const csm_frame *shot_frame(shot *shot);
+/* Resolves a mask of the shot's camera. */
+csm_result shot_resolve(shot *shot, csm_view *view, csm_cascades *cascades, uint32_t width, uint32_t height);
+
 /* A frame of a scene that all tests know: a ground of 60 m a side at y = 0, and boxes on and above it. */
 enum { SUPPORT_BOXES = 5, SUPPORT_INSTANCES = SUPPORT_BOXES + 1 };
 typedef struct support_scene {
   csm_instance instances[SUPPORT_INSTANCES];
-  csm_frame frame;
+  shot shot;
 } support_scene;
 void support_scene_make(support_scene *scene, csm_context *context);
 /* The same scene without a context, as triangles in world space: fills `corners` with three points for each. */
@@ -56,8 +70,14 @@ double support_trace(double corners[][3][3], uint32_t count, const double origin
 /* The default configuration with fewer and smaller maps, for speed. */
 csm_config support_config(void);
 
-/* Reads a source of csm_read; the caller frees it. */
-float *support_read(csm_cascades *cascades, uint32_t source, uint32_t cascade, uint32_t width, uint32_t height);
+csm_view *support_view(csm_context *context);
+
+/* Read a map, or a view's mask or camera depth (CSM_READ_*); the caller frees them. */
+float *support_map(csm_context *context, csm_cascades *cascades, uint32_t cascade, uint32_t resolution);
+float *support_image(csm_context *context, csm_view *view, uint32_t source, uint32_t width, uint32_t height);
+
+/* Asserts that two bindings tell shaders the same, native handles apart. */
+void support_same_binding(const csm_binding *a, const csm_binding *b);
 
 /* Applies a column-major matrix to a point; returns w. */
 double support_apply(const double m[16], const double p[3], double out[3]);

@@ -15,6 +15,7 @@ typedef struct fixture {
   record record;
   csm_context *context;
   csm_cascades *cascades[2]; /* two suns */
+  csm_view *view;
   support_scene scene;
   csm_mesh_info supplied; /* what the supply callback gives */
   csm_result supply_result;
@@ -34,6 +35,7 @@ static void open_fixture(fixture *f, uint32_t flags, csm_supply_function supply)
   assert_int_equal(csm_create(&info, &f->context), CSM_SUCCESS);
   csm_config config = support_config();
   support_scene_make(&f->scene, f->context);
+  f->view = support_view(f->context);
   for (int i = 0; i < 2; ++i) {
     config.resolution = i ? 128 : 256;
     assert_int_equal(csm_cascades_create(f->context, &config, &f->cascades[i]), CSM_SUCCESS);
@@ -49,14 +51,13 @@ static csm_create_info to(fixture *f, const char *backend) {
 
 /* The masks of both suns at a step of the camera's path, one after the other. */
 static void draw(fixture *f, int step, float masks[2 * pixels]) {
-  csm_frame frame = f->scene.frame;
-  frame.view[12] += 0.05 * (step % 40);
+  shot shot = f->scene.shot;
+  shot.camera.view[12] += 0.05 * (step % 40);
   for (int i = 0; i < 2; ++i) {
-    frame.light_direction[0] = i ? -0.3 : 0.4;
-    assert_int_equal(csm_render_cascades(f->cascades[i], &frame), CSM_SUCCESS);
-    const csm_mask_info mask = {.struct_size = sizeof mask, .frame = &frame, .width = width, .height = height};
-    assert_int_equal(csm_resolve_mask(f->cascades[i], &mask), CSM_SUCCESS);
-    float *read = support_read(f->cascades[i], CSM_READ_MASK, 0, width, height);
+    shot.light.direction[0] = i ? -0.3 : 0.4;
+    assert_int_equal(csm_render_cascades(f->cascades[i], shot_frame(&shot)), CSM_SUCCESS);
+    assert_int_equal(shot_resolve(&shot, f->view, f->cascades[i], width, height), CSM_SUCCESS);
+    float *read = support_image(f->context, f->view, CSM_READ_MASK, width, height);
     memcpy(masks + i * pixels, read, pixels * sizeof *read);
     free(read);
   }
@@ -223,6 +224,7 @@ static void geometry_is_supplied_again(void **state) {
   for (int i = 0; i < 2; ++i)
     assert_int_equal(csm_cascades_create(f.context, &config, &f.cascades[i]), CSM_SUCCESS);
   support_scene_make(&f.scene, NULL);
+  f.view = support_view(f.context);
   for (int i = 0; i < SUPPORT_INSTANCES; ++i)
     f.scene.instances[i].mesh = mesh;
   static float before[2 * pixels], after[2 * pixels];

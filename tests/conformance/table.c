@@ -52,10 +52,9 @@ static void draw(drawer *d, const csm_config *config, uint32_t camera, uint32_t 
   csm_cascades **cascades = &d->side.cascades;
   assert_int_equal(csm_cascades_create(d->side.context, config, cascades), CSM_SUCCESS);
   for (uint32_t step = 0; step < TELLING_STEPS; ++step) {
-    const csm_frame frame = telling_frame(&d->scene, camera, step, (double)width / height);
-    assert_int_equal(csm_render_cascades(*cascades, &frame), CSM_SUCCESS);
-    const csm_mask_info mask = {.struct_size = sizeof mask, .frame = &frame, .width = width, .height = height};
-    assert_int_equal(csm_resolve_mask(*cascades, &mask), CSM_SUCCESS);
+    shot shot = telling_shot(&d->scene, camera, step, (double)width / height);
+    assert_int_equal(csm_render_cascades(*cascades, shot_frame(&shot)), CSM_SUCCESS);
+    assert_int_equal(shot_resolve(&shot, d->side.view, *cascades, width, height), CSM_SUCCESS);
     csm_stats stats = {.struct_size = sizeof stats}; /* waits, so that both have seen the same frames done */
     assert_int_equal(csm_get_stats(*cascades, &stats), CSM_SUCCESS);
   }

@@ -68,23 +68,23 @@ void telling_make(telling *scene, csm_context *context) {
   assert_int_equal(n, TELLING_INSTANCES);
 }
 
-csm_frame telling_frame(const telling *scene, uint32_t camera, uint32_t step, double aspect) {
+shot telling_shot(const telling *scene, uint32_t camera, uint32_t step, double aspect) {
   static const double eyes[TELLING_CAMERAS][3] = {{-4, 5, 12}, {12, 3, 6}, {-2, 18, -2}};
   static const double targets[TELLING_CAMERAS][3] = {{0, 0, -4}, {-2, 1, -4}, {1, 0, -12}};
   static const double suns[TELLING_CAMERAS][3] = {{0.4, -1, 0.25}, {0.8, -0.7, 0.4}, {0.1, -1, -0.7}};
-  csm_frame frame = {.struct_size = sizeof frame, .instances = scene->instances, .instance_count = TELLING_INSTANCES};
+  shot shot = shot_make(scene->instances, TELLING_INSTANCES);
   const uint32_t i = camera % TELLING_CAMERAS;
   double eye[3], target[3];
   for (int k = 0; k < 3; ++k) {
     eye[k] = eyes[i][k] + 0.11 * step;
     target[k] = targets[i][k] - 0.07 * step;
-    frame.light_direction[k] = suns[i][k] + (k == 0 ? 0.004 * step : 0);
+    shot.light.direction[k] = suns[i][k] + (k == 0 ? 0.004 * step : 0);
   }
-  support_look_at(frame.view, eye, target);
-  support_perspective(frame.projection, 55, aspect, 0.1, i == 1 ? 300 : 0);
+  support_look_at(shot.camera.view, eye, target);
+  support_perspective(shot.camera.projection, 55, aspect, 0.1, i == 1 ? 300 : 0);
   if (i == 2) { /* reversed-Z is off: depth grows */
-    frame.projection[10] = -1;
-    frame.projection[14] = -0.1;
+    shot.camera.projection[10] = -1;
+    shot.camera.projection[14] = -0.1;
   }
-  return frame;
+  return shot;
 }

@@ -18,6 +18,6 @@ typedef struct telling {
 
 void telling_make(telling *scene, csm_context *context);
 /* One of the cameras, at a step of its way: it goes on a little, turns, and the sun moves. */
-csm_frame telling_frame(const telling *scene, uint32_t camera, uint32_t step, double aspect);
+shot telling_shot(const telling *scene, uint32_t camera, uint32_t step, double aspect);
 
 #endif

@@ -19,15 +19,15 @@ static void draw_frames(worker *w) {
   support_scene_make(&scene, context);
   const csm_config config = support_config();
   csm_cascades *cascades;
+  csm_view *view = support_view(context);
   assert_int_equal(csm_cascades_create(context, &config, &cascades), CSM_SUCCESS);
   for (int i = frames; i-- > 0;) {
-    csm_frame frame = scene.frame;
-    frame.view[12] += 0.1 * i;
-    assert_int_equal(csm_render_cascades(cascades, &frame), CSM_SUCCESS);
-    const csm_mask_info mask = {.struct_size = sizeof mask, .frame = &frame, .width = width, .height = height};
-    assert_int_equal(csm_resolve_mask(cascades, &mask), CSM_SUCCESS);
+    shot shot = scene.shot;
+    shot.camera.view[12] += 0.1 * i;
+    assert_int_equal(csm_render_cascades(cascades, shot_frame(&shot)), CSM_SUCCESS);
+    assert_int_equal(shot_resolve(&shot, view, cascades, width, height), CSM_SUCCESS);
   }
-  float *read = support_read(cascades, CSM_READ_MASK, 0, width, height);
+  float *read = support_image(context, view, CSM_READ_MASK, width, height);
   memcpy(w->mask, read, sizeof w->mask);
   free(read);
   support_close(context, &w->record);

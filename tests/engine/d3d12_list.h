@@ -6,7 +6,7 @@
 #ifndef D3D12_LIST_H
 #define D3D12_LIST_H
 
-#include "d3d12_engine.h"
+#include "rig_d3d12.h"
 
 enum { D3D12_LIST_RESOURCES = 64 };
 

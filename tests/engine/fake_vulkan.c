@@ -1,4 +1,4 @@
-/* fake_vulkan.c: a Vulkan library whose every function is the program's (vulkan_faults.h). */
+/* fake_vulkan.c: a Vulkan library whose every function is the program's (rig_vulkan_faults.h). */
 #include <vulkan/vulkan_core.h>
 
 PFN_vkVoidFunction VKAPI_CALL faults_get_instance_proc_addr(VkInstance instance, const char *name);

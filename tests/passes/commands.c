@@ -18,6 +18,7 @@ typedef struct fixture {
   commands commands;
   csm_context *context;
   csm_cascades *cascades;
+  csm_view *view;
   support_scene scene;
 } fixture;
 
@@ -61,6 +62,7 @@ static int set_up(void **state) {
   *state = f;
   if (csm_create(&info, &f->context) || csm_cascades_create(f->context, &config, &f->cascades))
     return -1;
+  f->view = support_view(f->context);
   support_scene_make(&f->scene, f->context);
   forget(&f->commands);
   return 0;
@@ -75,7 +77,7 @@ static int tear_down(void **state) {
 
 static void render(fixture *f) {
   forget(&f->commands);
-  assert_int_equal(csm_render_cascades(f->cascades, &f->scene.frame), CSM_SUCCESS);
+  assert_int_equal(csm_render_cascades(f->cascades, shot_frame(&f->scene.shot)), CSM_SUCCESS);
 }
 
 static void test_a_frame(void **state) {
@@ -136,7 +138,7 @@ static void test_slots_in_turn(void **state) {
 
 static void test_timestamps(void **state) {
   fixture *f = *state;
-  f->scene.frame.flags = CSM_FRAME_TIMESTAMPS;
+  f->scene.shot.frame.flags = CSM_FRAME_TIMESTAMPS;
   render(f);
   const char *text = f->commands.text;
   assert_int_equal(count(text, "timestamp"), 2 + 3);
@@ -156,8 +158,7 @@ static void test_a_mask(void **state) {
   fixture *f = *state;
   render(f);
   forget(&f->commands);
-  const csm_mask_info info = {.struct_size = sizeof info, .frame = &f->scene.frame, .width = 40, .height = 30};
-  assert_int_equal(csm_resolve_mask(f->cascades, &info), CSM_SUCCESS);
+  assert_int_equal(shot_resolve(&f->scene.shot, f->view, f->cascades, 40, 30), CSM_SUCCESS);
   const char *text = f->commands.text;
   assert_int_equal(f->commands.breaches, 0);
   assert_int_equal(count(text, "pass_begin"), 2);
@@ -175,9 +176,9 @@ static void test_an_error_records_nothing(void **state) {
   fixture *f = *state;
   render(f);
   forget(&f->commands);
-  csm_frame frame = f->scene.frame;
-  frame.light_direction[0] = frame.light_direction[1] = frame.light_direction[2] = 0.0;
-  assert_int_equal(csm_render_cascades(f->cascades, &frame), CSM_ERROR_INVALID_LIGHT);
+  shot shot = f->scene.shot;
+  memset(shot.light.direction, 0, sizeof shot.light.direction);
+  assert_int_equal(csm_render_cascades(f->cascades, shot_frame(&shot)), CSM_ERROR_INVALID_LIGHT);
   assert_string_equal(f->commands.text, "");
 }
 

@@ -80,24 +80,92 @@ static void takes_float_matrices(void **state) {
   }
 }
 
-/* The same depth on both sides: the matrix says nothing more, and the plan takes clip z to grow with depth. */
-static void takes_an_orthographic_camera_around_its_origin(void **state) {
+/* ---- which way it looks ---- */
+
+static csm_result make(plan_camera *out, const test_camera *camera, uint32_t reversed, const char **error) {
+  double view[16], projection[16];
+  camera_matrices(camera, view, projection);
+  return plan_camera_make(out, view, projection, reversed, error);
+}
+
+static void assert_refused(const test_camera *camera, uint32_t reversed, const char *words) {
+  plan_camera made;
+  const char *error = "";
+  assert_int_equal(make(&made, camera, reversed, &error), CSM_ERROR_INVALID_CAMERA);
+  if (!strstr(error, words))
+    fail_msg("\"%s\" does not say \"%s\"", error, words);
+}
+
+static void assert_made(const test_camera *camera, uint32_t reversed) {
+  plan_camera made;
+  const char *error = "";
+  if (make(&made, camera, reversed, &error))
+    fail_msg("near %g, far %g: %s", camera->near, camera->far, error);
+  check_camera(camera, &made, 20.0);
+}
+
+/* From 20 m above, as far behind the camera as before it, or farther: only the engine knows where down is. */
+static void an_orthographic_camera_looks_where_it_is_told(void **state) {
+  (void)state;
+  const double planes[][2] = {{0.1, 60}, {-50, 51}, {-50, 50}, {-50, 40}, {-500, 400}};
+  for (int i = 0; i < 5 * 2 * 2; ++i) {
+    test_camera camera = plain_camera();
+    camera_look(&camera, (double[]){0.0, -1.0, 0.0}, 0.0);
+    camera.orthographic = true;
+    camera.eye[1] = 20.0;
+    camera.reversed = i / 5 % 2;
+    camera.left_handed = i / 10;
+    camera.near = planes[i % 5][0];
+    camera.far = planes[i % 5][1];
+    assert_made(&camera, camera_reversed(&camera));
+    if (camera.near > 0.0) {
+      assert_made(&camera, CSM_REVERSED_BY_MATRIX);
+      assert_refused(&camera, camera.reversed ? CSM_REVERSED_NO : CSM_REVERSED_YES, "reversed");
+    } else {
+      assert_refused(&camera, CSM_REVERSED_BY_MATRIX, "CSM_REVERSED_YES or CSM_REVERSED_NO");
+    }
+  }
+}
+
+static void an_orthographic_camera_that_begins_at_its_place_tells(void **state) {
   (void)state;
   random_state random = {7};
   for (int i = 0; i < 1000; ++i) {
     test_camera camera = plain_camera();
     camera.orthographic = true;
     camera.left_handed = i % 2;
+    camera.reversed = i / 2 % 2;
     camera.far = random_scale(&random, 0.1, 1e4);
-    camera.near = -camera.far * (1.0 + random_between(&random, -1e-9, 1e-9));
-    double view[16], projection[16];
-    camera_matrices(&camera, view, projection);
+    camera.near = i % 3 ? 0.0 : -camera.far * 1e-8; /* what rounding leaves of 0 */
     plan_camera made;
     const char *error = "";
-    assert_int_equal(plan_camera_make(&made, view, projection, camera_reversed(&camera), &error), CSM_SUCCESS);
-    check_camera(&camera, &made, 0.0);
+    if (make(&made, &camera, CSM_REVERSED_BY_MATRIX, &error))
+      fail_msg("%s", error);
+    assert_int_equal(made.reversed, camera.reversed);
+    assert_near(made.far_depth, camera.far, 1e-6 * camera.far);
+    assert_near(made.near_depth, 0.0, 1e-6 * camera.far);
+    for (int k = 0; k < 3; ++k)
+      assert_near(made.forward[k], camera.forward[k], 1e-14);
   }
 }
+
+static void a_perspective_camera_tells_and_is_not_contradicted(void **state) {
+  (void)state;
+  for (int i = 0; i < 4; ++i) {
+    test_camera camera = plain_camera();
+    camera.reversed = i % 2;
+    camera.far = i / 2 ? INFINITY : 1000.0;
+    assert_made(&camera, CSM_REVERSED_BY_MATRIX);
+    assert_made(&camera, camera_reversed(&camera));
+    assert_refused(&camera, camera.reversed ? CSM_REVERSED_NO : CSM_REVERSED_YES, "reversed");
+    plan_camera made;
+    const char *error = "";
+    assert_int_equal(make(&made, &camera, CSM_REVERSED_NO + 1, &error), CSM_ERROR_INVALID_VALUE);
+    assert_non_null(strstr(error, "reversed"));
+  }
+}
+
+/* ---- what is refused ---- */
 
 typedef struct bad_camera {
   const char *what;
@@ -127,6 +195,8 @@ static void names_what_is_wrong(void **state) {
       {"w from view z and a constant", 1, 15, 0.5, CSM_ERROR_INVALID_CAMERA},
       {"an oblique near plane", 1, 2, 0.2, CSM_ERROR_INVALID_CAMERA},
       {"all of it before the near plane", 1, 10, 0.5, CSM_ERROR_INVALID_CAMERA},
+      {"a place beyond all sense", 0, 12, 1e31, CSM_ERROR_INVALID_MATRIX},
+      {"next to no width", 1, 0, 1e-31, CSM_ERROR_INVALID_CAMERA},
   };
   for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
     double matrices[2][16];
@@ -236,7 +306,9 @@ int main(void) {
       cmocka_unit_test(reads_what_a_camera_was_made_from),
       cmocka_unit_test(takes_a_projection_of_any_scale),
       cmocka_unit_test(takes_float_matrices),
-      cmocka_unit_test(takes_an_orthographic_camera_around_its_origin),
+      cmocka_unit_test(an_orthographic_camera_looks_where_it_is_told),
+      cmocka_unit_test(an_orthographic_camera_that_begins_at_its_place_tells),
+      cmocka_unit_test(a_perspective_camera_tells_and_is_not_contradicted),
       cmocka_unit_test(names_what_is_wrong),
       cmocka_unit_test(refuses_planes_behind_the_camera),
       cmocka_unit_test(inverts_matrices_of_any_scale),

@@ -45,8 +45,8 @@ static culled_frame make_frame(random_state *random, test_scene *scene, const cs
   random_unit(random, made.light);
   camera_matrices(&made.camera, view, projection);
   scene_scatter(scene, random, made.camera.eye, random_scale(random, 1.0, 2000.0));
-  if (plan_made(&made.frame, config, view, projection, camera_reversed(&made.camera), made.light, &scene->scene,
-                scene->memory, &error))
+  if (plan_made(&made.frame, config, &(test_shot){view, projection, camera_reversed(&made.camera), made.light},
+                &scene->scene, scene->memory, &error))
     fail_msg("%s", error);
   return made;
 }
@@ -140,8 +140,8 @@ static void keeps_casters_before_the_near_plane(void **state) {
       scene.instances[0].transform[i * 4 + 3] = below[i] - height * direction[i];
     plan_frame frame;
     const char *error = "";
-    assert_int_equal(plan_made(&frame, &config, view, projection, camera_reversed(&camera), direction, &scene.scene,
-                               scene.memory, &error),
+    assert_int_equal(plan_made(&frame, &config, &(test_shot){view, projection, camera_reversed(&camera), direction},
+                               &scene.scene, scene.memory, &error),
                      CSM_SUCCESS);
     assert_int_equal(frame.cascades[0].list.instance_count, 1);
     double at[3];
@@ -257,7 +257,8 @@ static void takes_points_and_crowds(void **state) {
   camera_matrices(&camera, view, projection);
   plan_frame frame;
   const char *error = "";
-  assert_int_equal(plan_made(&frame, &config, view, projection, camera_reversed(&camera), (double[]){0, -1, 0},
+  assert_int_equal(plan_made(&frame, &config,
+                             &(test_shot){view, projection, camera_reversed(&camera), (double[]){0, -1, 0}},
                              &scene.scene, scene.memory, &error),
                    CSM_SUCCESS);
   assert_int_equal(frame.cascades[0].list.instance_count, 1000000);
@@ -287,7 +288,8 @@ static void needs_no_more_memory_than_it_says(void **state) {
       config.cascade_count = count;
       plan_frame frame;
       const char *error = "";
-      assert_int_equal(plan_made(&frame, &config, view, projection, camera_reversed(&camera), (double[]){0, -1, 0},
+      assert_int_equal(plan_made(&frame, &config,
+                                 &(test_shot){view, projection, camera_reversed(&camera), (double[]){0, -1, 0}},
                                  &scene.scene, scene.memory, &error),
                        CSM_SUCCESS);
       for (uint32_t c = 0; c < count; ++c)

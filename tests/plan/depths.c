@@ -45,8 +45,8 @@ static void replan(planned *out, const test_scene *scene, const double light[3])
   double view[16], projection[16];
   const char *error = "";
   camera_matrices(&out->camera, view, projection);
-  if (plan_made(&out->frame, &out->config, view, projection, camera_reversed(&out->camera), light, &scene->scene,
-                scene->memory, &error))
+  if (plan_made(&out->frame, &out->config, &(test_shot){view, projection, camera_reversed(&out->camera), light},
+                &scene->scene, scene->memory, &error))
     fail_msg("%s", error);
 }
 
@@ -209,7 +209,8 @@ static void a_map_without_a_scene_takes_its_slice(void **state) {
   plan_frame beside;
   camera_matrices(&camera, view, projection);
   config.depth_mode = CSM_DEPTH_SCENE_CLIPPED;
-  assert_int_equal(plan_made(&beside, &config, view, projection, camera_reversed(&camera), (double[]){0.3, -1.0, 0.2},
+  assert_int_equal(plan_made(&beside, &config,
+                             &(test_shot){view, projection, camera_reversed(&camera), (double[]){0.3, -1.0, 0.2}},
                              &scene.scene, scene.memory, &error),
                    CSM_SUCCESS);
   for (uint32_t c = 0; c < 4; ++c)

@@ -91,7 +91,8 @@ static void ogldevs_near_plane_loses_casters(void **state) {
   for (int i = 0; i < 3; ++i)
     scene.instances[0].transform[i * 4 + 3] = tower[i];
   camera_matrices(&camera, view, projection);
-  assert_int_equal(plan_made(&frame, &config, view, projection, camera_reversed(&camera), (double[]){0.0, -1.0, 0.0},
+  assert_int_equal(plan_made(&frame, &config,
+                             &(test_shot){view, projection, camera_reversed(&camera), (double[]){0.0, -1.0, 0.0}},
                              &scene.scene, scene.memory, &error),
                    CSM_SUCCESS);
   const plan_cascade *cascade = &frame.cascades[3];
@@ -213,10 +214,10 @@ static void walk(double world, double *documents, double *own, double *in_shader
     double at[3], relative = 0.0;
     transform_point(cascade->info.world_to_shadow, still, at);
     for (int k = 0; k < 3; ++k)
-      relative += (double)constants.matrices[0][0][k] * (still[k] - camera.eye[k]);
+      relative += (double)constants.cascades.basis[0][k] * (still[k] - camera.eye[k]);
+    const double clip = relative * (double)constants.cascades.scales[0][0] + (double)constants.cascades.offsets[0][0];
     const double places[3] = {snapped_place(frame.basis, camera.eye, (float)(cascade->info.texel_size * 1024.0), still),
-                              at[0] * cascade->resolution,
-                              (relative + (double)constants.matrices[0][0][3]) * cascade->resolution};
+                              at[0] * cascade->resolution, (0.5 * clip + 0.5) * cascade->resolution};
     double *const worst[3] = {documents, own, in_shader};
     for (int i = 0; i < 3; ++i) {
       first[i] = step ? first[i] : places[i];

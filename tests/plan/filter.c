@@ -74,9 +74,9 @@ static void weights_sum_up_and_fall_from_the_middle(void **state) {
       const plan_frame frame = plan_empty(&config, &camera, (double[]){0.3, -1.0, 0.2});
       (void)plan_write_constants((float *)&constants, &frame, &config);
       for (uint32_t i = 0; i < PLAN_MAX_WEIGHTS; ++i)
-        assert_true(constants.weights[i] == (float)weights[i]);
-      assert_true(constants.kernel[0] == (float)config.filter && constants.kernel[1] == (float)shapes[s].count);
-      assert_true(constants.kernel[3] == (float)(1.0 / (told * told)));
+        assert_true(constants.settings.weights[i] == (float)weights[i]);
+      assert_true(constants.settings.kernel[0] == (float)config.filter && constants.settings.kernel[1] == (float)shapes[s].count);
+      assert_true(constants.settings.kernel[3] == (float)(1.0 / (told * told)));
     }
 }
 
@@ -221,7 +221,7 @@ static void an_early_way_out_is_taken_where_corners_agree(void **state) {
       map.depths[k] =
           cos(angle) * (k % side - middle) + sin(angle) * ((double)(k / side) - middle) > away ? 1.0f : 0.0f;
     const float full = sampler_filter(middle + 0.25f, middle - 0.4f, 0.5f);
-    map.constants.options[0] = 1.0f;
+    map.constants.settings.options[1] = 1.0f;
     sampler_bind((const float *)&map.constants, map.depths, side, side, 1);
     const float early = sampler_filter(middle + 0.25f, middle - 0.4f, 0.5f);
     const bool out = early == 0.0f || early == 1.0f;

@@ -52,7 +52,8 @@ static void holds_every_receiver_of_a_sloppy_view(void **state) {
     random_unit(&random, light);
     plan_frame frame;
     const char *error = "";
-    if (plan_made(&frame, &config, view, projection, camera_reversed(&camera), light, &(plan_scene){0}, NULL, &error))
+    if (plan_made(&frame, &config, &(test_shot){view, projection, camera_reversed(&camera), light}, &(plan_scene){0},
+                  NULL, &error))
       continue;
     assert_true(plan_invert(inverse, view));
     ++planned;
@@ -313,8 +314,8 @@ static void depth_reaches_casters_as_far_as_configured(void **state) {
       scene.instances[0].transform[i * 4 + 3] = at[i];
     plan_frame frame;
     const char *error = "";
-    assert_int_equal(plan_made(&frame, &config, view, projection, camera_reversed(&camera), light, &scene.scene,
-                               scene.memory, &error),
+    assert_int_equal(plan_made(&frame, &config, &(test_shot){view, projection, camera_reversed(&camera), light},
+                               &scene.scene, scene.memory, &error),
                      CSM_SUCCESS);
     const plan_cascade *cascade = &frame.cascades[3];
     assert_int_equal(cascade->list.instance_count, 1); /* however near to the light */

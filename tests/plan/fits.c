@@ -307,7 +307,7 @@ static void sides_of_texels_agree_wherever_they_are_told(void **state) {
     for (uint32_t c = 0; c < frame.cascade_count; ++c) {
       const plan_cascade *cascade = &frame.cascades[c];
       const csm_cascade_info *info = &cascade->info;
-      const float *texel = constants.texels[c];
+      const float *texel = constants.cascades.texels[c];
       for (int axis = 0; axis < 2; ++axis) {
         const double *m = info->world_to_shadow, side = cascade->texel[axis] * cascade->resolution;
         const double length = sqrt(m[axis] * m[axis] + m[4 + axis] * m[4 + axis] + m[8 + axis] * m[8 + axis]);
@@ -316,9 +316,9 @@ static void sides_of_texels_agree_wherever_they_are_told(void **state) {
       }
       assert_true(info->texel_size == fmax(cascade->texel[0], cascade->texel[1]));
       assert_true(texel[0] == (float)info->texel_size);
-      assert_true(texel[3] == (float)(cascade->texel[0] / cascade->texel[1]));
-      assert_true(constants.rects[c][2] == (float)cascade->resolution);
-      uneven += fabs(texel[3] - 1.0f) > 0.1f;
+      assert_true(texel[3] == (float)(cascade->texel[0] * cascade->texel[1]));
+      assert_true(constants.cascades.rects[c][2] == (float)cascade->resolution);
+      uneven += fabs(cascade->texel[0] / cascade->texel[1] - 1.0) > 0.1;
     }
   }
   assert_true(uneven > 1000);

@@ -73,8 +73,8 @@ static void check_frame(const plan_frame *frame, const csm_config *config, const
     assert_true(plan_finite(matrix, 16) && plan_finite(planes[0], 20));
   }
   assert_finite(floats, plan_write_constants(floats, frame, config) / (uint32_t)sizeof(float));
-  assert_finite(floats,
-                plan_write_mask_constants(floats, frame, &frame->camera, 1, 16384, true, 0) / (uint32_t)sizeof(float));
+  const plan_picture picture = {.camera = &frame->camera, .width = 1, .height = 16384, .unorm_normals = true};
+  assert_finite(floats, plan_write_mask_constants(floats, frame, &picture) / (uint32_t)sizeof(float));
   plan_hash(frame, config, &scene->scene);
   plan_list list;
   plan_view_make(&list, &frame->camera, &scene->scene, scene->memory);
@@ -133,8 +133,9 @@ static void any_frame_is_finite_or_has_a_named_error(void **state) {
     config.fit_mode = random_below(&random, CSM_FIT_SCENE_SQUARE + 1);
     config.caster_set = random_below(&random, CSM_CASTER_SET_VIEW + 1);
     plan_frame frame;
-    const csm_result result = plan_made(&frame, &config, view, projection, camera_reversed(&camera), light,
-                                        &scene.scene, scene.memory, &error);
+    const csm_result result =
+        plan_made(&frame, &config, &(test_shot){view, projection, camera_reversed(&camera), light}, &scene.scene,
+                  scene.memory, &error);
     if (result == CSM_SUCCESS) {
       check_frame(&frame, &config, &scene);
       ++planned;
@@ -178,8 +179,9 @@ static void any_configuration_is_planned_or_has_a_named_error(void **state) {
       continue;
     }
     plan_frame frame;
-    result = plan_made(&frame, &config, view, projection, camera_reversed(&camera), (double[]){0.1, -1.0, 0.0},
-                       &nothing, NULL, &error);
+    result =
+        plan_made(&frame, &config, &(test_shot){view, projection, camera_reversed(&camera), (double[]){0.1, -1.0, 0.0}},
+                  &nothing, NULL, &error);
     assert_true(result == CSM_SUCCESS || (is_named(result) && error[0]));
     for (uint32_t c = 0; !result && c < frame.cascade_count; ++c)
       assert_true(plan_finite(frame.cascades[c].info.world_to_shadow, 16));

@@ -81,8 +81,8 @@ static void sides_are_apart_in_a_cascade(void **state) {
       plan_frame frame;
       const char *error = "";
       config.face_culling = cull;
-      assert_int_equal(plan_made(&frame, &config, view, projection, camera_reversed(&camera), light, &scene.scene,
-                                 scene.memory, &error),
+      assert_int_equal(plan_made(&frame, &config, &(test_shot){view, projection, camera_reversed(&camera), light},
+                                 &scene.scene, scene.memory, &error),
                        0);
       for (uint32_t c = 0; c < frame.cascade_count; ++c) {
         const plan_list *list = &frame.cascades[c].list;
@@ -141,7 +141,8 @@ static void memory_holds_as_many_draws_as_there_can_be(void **state) {
   plan_frame frame;
   const char *error = "";
   camera_matrices(&camera, view, projection);
-  assert_int_equal(plan_made(&frame, &config, view, projection, camera_reversed(&camera), (double[]){0.0, 0.0, -1.0},
+  assert_int_equal(plan_made(&frame, &config,
+                             &(test_shot){view, projection, camera_reversed(&camera), (double[]){0.0, 0.0, -1.0}},
                              &scene.scene, scene.memory, &error),
                    CSM_SUCCESS);
   for (uint32_t c = 0; c < CSM_MAX_CASCADES; ++c) {

@@ -3,7 +3,9 @@
 
 #include <cmath>
 
+#define CSM_ENUMS_AS_MACROS
 #include "csm_constants.h"
+#include "csm_enums.h"
 
 namespace shader {
 
@@ -95,6 +97,9 @@ int abs(int a) {
 float abs(float a) {
   return std::fabs(a);
 }
+float abs(double a) {
+  return float(std::fabs(a));
+}
 float sqrt(float a) {
   return std::sqrt(a);
 }
@@ -144,11 +149,10 @@ csm_float4 depths_of(csm_float2 texel, float layer) {
                     depth_of(texel.x, texel.y + 1, layer), depth_of(texel.x + 1, texel.y + 1, layer));
 }
 
-#define CSM_CONSTANTS bound.constants
+#define CSM_CONSTANT(i) bound.constants[i]
 #define CSM_DEPTHS_4(texel, layer) depths_of(texel, layer)
 #define CSM_TEXEL_LIT(texel, layer, reference)                                                                         \
-  float(reference * CSM_CONSTANTS[CSM_C_IMAGE].z <=                                                                    \
-        depth_of((texel).x, (texel).y, layer) * CSM_CONSTANTS[CSM_C_IMAGE].z)
+  float(reference * CSM_SIDE <= depth_of((texel).x, (texel).y, layer) * CSM_SIDE)
 #define CSM_UNROLL
 #define CSM_LOOP
 #define CSM_STATIC static const
@@ -184,18 +188,45 @@ int sampler_cascade(const float position[3], const float normal[3], float view_d
   return csm_cascade(vector(position), vector(normal), view_depth);
 }
 
+// A position in a cascade's map, whether or not it holds it.
+static csm_found found_at(int cascade, const csm_receiver &receiver) {
+  const csm_float4 scale = shader::bound.constants[CSM_C_SCALES + cascade];
+  const csm_float4 offset = shader::bound.constants[CSM_C_OFFSETS + cascade];
+  csm_found found;
+  found.at = csm_float3(csm_mad(receiver.at.x, scale.x, offset.x), csm_mad(receiver.at.y, scale.y, offset.y),
+                        csm_mad(receiver.at.z, scale.z, offset.z));
+  found.scale = scale.xyz;
+  found.cascade = cascade;
+  return found;
+}
+
+static csm_receiver receiver_at(const float position[3], const float normal[3], float view_depth) {
+  return csm_receiver_of(csm_to_light(vector(position)), csm_to_light(vector(normal)), view_depth);
+}
+
 float sampler_bias(int cascade, const float normal[3]) {
-  return csm_bias(shader::bound.constants[CSM_C_TEXELS + cascade], vector(normal));
+  const float origin[3] = {0, 0, 0};
+  const csm_receiver receiver = receiver_at(origin, normal, 0);
+  const csm_found found = found_at(cascade, receiver);
+  return csm_bias(found, csm_texel(found, csm_rect(found).z * 0.5f), csm_tilt_of(receiver.normal));
 }
 
 void sampler_plane(float out[2], int cascade, const float normal[3]) {
-  const csm_float2 plane = csm_plane(shader::bound.constants[CSM_C_TEXELS + cascade], vector(normal));
-  out[0] = plane.x;
-  out[1] = plane.y;
+  const float origin[3] = {0, 0, 0};
+  const csm_receiver receiver = receiver_at(origin, normal, 0);
+  const csm_found found = found_at(cascade, receiver);
+  const csm_float2 texel = csm_texel(found, csm_rect(found).z * 0.5f);
+  const csm_tilt tilt = csm_tilt_of(receiver.normal);
+  out[0] = tilt.slope.x * texel.x;
+  out[1] = tilt.slope.y * texel.y;
 }
 
 float sampler_blend(int cascade, const float position[3], const float normal[3], float view_depth) {
-  return csm_blend(cascade, vector(position), vector(normal), csm_offset_scale(vector(normal)), view_depth);
+  return csm_blend(found_at(cascade, receiver_at(position, normal, view_depth)), view_depth);
+}
+
+float sampler_visibility_point(const float position[3], float view_depth) {
+  return csm_visibility_point(vector(position), view_depth);
 }
 
 float sampler_visibility(const float position[3], const float normal[3], float view_depth) {

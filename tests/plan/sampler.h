@@ -22,6 +22,7 @@ float sampler_bias(int cascade, const float normal[3]);
 void sampler_plane(float out[2], int cascade, const float normal[3]);
 float sampler_blend(int cascade, const float position[3], const float normal[3], float view_depth);
 float sampler_visibility(const float position[3], const float normal[3], float view_depth);
+float sampler_visibility_point(const float position[3], float view_depth);
 /* The configured filter at a place of cascade 0's map, in texels from the centre of the first. */
 float sampler_filter(float x, float y, float depth);
 void sampler_poisson(float out[16][2]);

@@ -173,7 +173,8 @@ static void needs_room_for_all_cascades(void **state) {
   plan_frame frame;
   const char *error = "";
   config.shadow_distance = nextafter(plan_empty(&config, &camera, down).camera.near_depth, 1.0);
-  assert_int_equal(plan_made(&frame, &config, view, projection, camera_reversed(&camera), down, &nothing, NULL, &error),
+  assert_int_equal(plan_made(&frame, &config, &(test_shot){view, projection, camera_reversed(&camera), down}, &nothing,
+                             NULL, &error),
                    CSM_ERROR_INVALID_CAMERA);
   assert_true(error[0]);
 }

@@ -206,7 +206,7 @@ plan_frame plan_empty(const csm_config *config, const test_camera *camera, const
   plan_frame frame;
   camera_matrices(camera, view, projection);
   const csm_result result =
-      plan_made(&frame, config, view, projection, camera_reversed(camera), light, &nothing, NULL, &error);
+      plan_made(&frame, config, &(test_shot){view, projection, camera_reversed(camera), light}, &nothing, NULL, &error);
   if (result)
     fail_msg("%d: %s", result, error);
   return frame;
@@ -318,10 +318,13 @@ void assert_no_exceptions(void) {
              raised & FE_OVERFLOW ? " FE_OVERFLOW" : "");
 }
 
-csm_result plan_made(plan_frame *out, const csm_config *config, const double view[16], const double projection[16],
-                     uint32_t reversed, const double light[3], const plan_scene *scene, void *memory,
-                     const char **error) {
-  const plan_frame_info info = {
-      .config = config, .view = view, .projection = projection, .reversed = reversed, .light = light, .scene = scene};
+csm_result plan_made(plan_frame *out, const csm_config *config, const test_shot *shot, const plan_scene *scene,
+                     void *memory, const char **error) {
+  const plan_frame_info info = {.config = config,
+                                .view = shot->view,
+                                .projection = shot->projection,
+                                .reversed = shot->reversed,
+                                .light = shot->light,
+                                .scene = scene};
   return plan_traced(out, &info, memory, error);
 }

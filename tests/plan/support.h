@@ -85,9 +85,15 @@ void assert_near(double value, double expected, double tolerance);
 void assert_no_exceptions(void);
 /* plan_frame_make, which must raise no floating-point exception. */
 csm_result plan_traced(plan_frame *out, const plan_frame_info *info, void *memory, const char **error);
+/* A camera's matrices, CSM_REVERSED_*, and the light's direction. */
+typedef struct test_shot {
+  const double *view, *projection;
+  uint32_t reversed;
+  const double *light;
+} test_shot;
+
 /* A first frame, without depth samples. */
-csm_result plan_made(plan_frame *out, const csm_config *config, const double view[16], const double projection[16],
-                     uint32_t reversed, const double light[3], const plan_scene *scene, void *memory,
-                     const char **error);
+csm_result plan_made(plan_frame *out, const csm_config *config, const test_shot *shot, const plan_scene *scene,
+                     void *memory, const char **error);
 
 #endif

@@ -2,6 +2,7 @@
 #include "support.h"
 
 #include "csm_constants.h"
+#include "plan/internal.h"
 #include <math.h>
 #include <string.h>
 
@@ -35,8 +36,8 @@ static void cascade_matrices_agree_with_world_to_shadow(void **state) {
     camera_matrices(&camera, view, projection);
     scene_scatter(&scene, &random, camera.eye, 20.0);
     plan_frame frame;
-    assert_int_equal(plan_made(&frame, &config, view, projection, camera_reversed(&camera), light, &scene.scene,
-                               scene.memory, &error),
+    assert_int_equal(plan_made(&frame, &config, &(test_shot){view, projection, camera_reversed(&camera), light},
+                               &scene.scene, scene.memory, &error),
                      CSM_SUCCESS);
     for (uint32_t c = 0; c < frame.cascade_count; ++c) {
       const plan_cascade *cascade = &frame.cascades[c];
@@ -65,6 +66,69 @@ static void cascade_matrices_agree_with_world_to_shadow(void **state) {
   scene_free(&scene);
 }
 
+static void check_settings(const float *c, const plan_frame *frame, const csm_config *config) {
+  const double reach = config->bias_mode ? 0.5 : config->filter == CSM_FILTER_PCF_3X3 ? 2.0 : 1.0;
+  const float *bias = &c[CSM_S_BIAS * 4], *modes = &c[CSM_S_MODES * 4], *options = &c[CSM_S_OPTIONS * 4];
+  assert_true(bias[0] == (float)config->bias_constant_texels);
+  assert_true(bias[1] == (float)(config->bias_slope_texels * reach));
+  assert_true(bias[2] == (float)config->bias_slope_max && bias[3] == (float)config->bias_normal_texels);
+  assert_true(modes[0] == (float)config->selection && modes[1] == (float)config->out_of_range);
+  assert_true(modes[2] == (float)config->blend_mode && modes[3] == (float)config->normal_offset_mode);
+  assert_true(options[0] == (float)config->bias_mode && options[1] == (float)config->filter_early_out);
+  assert_true(options[2] == (config->map_reversed ? -1.0f : 1.0f) &&
+              options[3] == (config->map_reversed ? 0.0f : 1.0f));
+  assert_true(c[CSM_S_BAND * 4 + 3] == (float)frame->cascades[0].info.near_depth);
+}
+
+/* A point of a cascade's slice, by the plan's matrix and by the constants in floats. */
+static void check_point(const float *c, const plan_frame *frame, uint32_t cascade, const double point[3],
+                        double world) {
+  const csm_cascade_info *info = &frame->cascades[cascade].info;
+  double relative[3], shadow[3];
+  for (int axis = 0; axis < 3; ++axis)
+    relative[axis] = point[axis] - frame->camera.position[axis];
+  transform_point(info->world_to_shadow, point, shadow);
+  const double expected[3] = {2.0 * shadow[0] - 1.0, 1.0 - 2.0 * shadow[1], shadow[2]};
+  for (uint32_t axis = 0; axis < 3; ++axis) {
+    const float *row = &c[(CSM_C_BASIS + axis) * 4];
+    const double scale = (double)c[(CSM_C_SCALES + cascade) * 4 + axis];
+    const double offset = (double)c[(CSM_C_OFFSETS + cascade) * 4 + axis];
+    const double light = row_times(row, relative), size = axis == 2 ? info->depth_range : info->texel_size * 16.0;
+    const double rounding = 2.0 * row_rounding(row, relative) * fabs(scale) + fabs(offset) * 0x1p-24;
+    assert_near(light * scale + offset, expected[axis], rounding + 1e-15 * (16.0 + 32.0 * world / size));
+  }
+}
+
+static void check_cascades(const float *c, const plan_frame *frame, const csm_config *config, const test_camera *camera,
+                           random_state *random, double world) {
+  const uint32_t count = frame->cascade_count;
+  const float *params = &c[CSM_C_PARAMS * 4], *depth_row = &c[CSM_C_DEPTH * 4];
+  assert_true(params[0] == (float)count && params[1] == (float)frame->cascades[count - 1].info.far_depth);
+  for (uint32_t axis = 0; axis < 9; ++axis)
+    assert_true(c[(CSM_C_BASIS + axis / 3) * 4 + axis % 3] == (float)frame->basis[axis]);
+  for (uint32_t k = 0; k < CSM_MAX_CASCADES; ++k) {
+    const plan_cascade *cascade = &frame->cascades[k < count ? k : count - 1];
+    const csm_cascade_info *info = &cascade->info;
+    const float *texel = &c[(CSM_C_TEXELS + k) * 4];
+    assert_true(c[CSM_C_SPLITS * 4 + k] == (float)info->far_depth);
+    assert_true(texel[0] == (float)info->texel_size && texel[1] == (float)(1.0 / info->depth_range));
+    assert_near(texel[2], 1.0 - 2.0 * plan_filter_radius_texels(config) / cascade->resolution, 1e-7);
+    assert_true(texel[3] == (float)(cascade->texel[0] * cascade->texel[1]));
+    double point[3], relative[3];
+    const double x = random_between(random, -1.0, 1.0), y = random_between(random, -1.0, 1.0);
+    const double depth = random_between(random, info->near_depth, info->far_depth);
+    camera_point(camera, x, y, depth, point);
+    for (int axis = 0; axis < 3; ++axis)
+      relative[axis] = point[axis] - frame->camera.position[axis];
+    assert_near(row_times(depth_row, relative), depth,
+                row_rounding(depth_row, relative) + 1e-14 * (world + fabs(depth)));
+    if (k < count)
+      check_point(c, frame, k, point, world);
+    else
+      assert_true(c[(CSM_C_SCALES + k) * 4] == 0.0f && c[(CSM_C_OFFSETS + k) * 4] > 1.0f);
+  }
+}
+
 static void constants_agree_with_the_plan(void **state) {
   (void)state;
   random_state random = {2};
@@ -72,103 +136,136 @@ static void constants_agree_with_the_plan(void **state) {
     const double world = i % 2 ? 1e7 : 10.0;
     const test_camera camera = random_camera(&random, world);
     const csm_config config = random_config(&random);
-    double light[3];
-    random_unit(&random, light);
-    const plan_frame frame = plan_empty(&config, &camera, light);
+    double direction[3];
+    random_unit(&random, direction);
+    const plan_frame frame = plan_empty(&config, &camera, direction);
     float c[CSM_C_COUNT * 4];
     assert_int_equal(plan_write_constants(c, &frame, &config), sizeof c);
-    const uint32_t count = frame.cascade_count;
-    const double reach = config.bias_mode ? 0.5 : config.filter == CSM_FILTER_PCF_3X3 ? 2.0 : 1.0;
-    assert_true(c[CSM_C_PARAMS * 4] == (float)count && c[CSM_C_PARAMS * 4 + 1] == (float)config.resolution);
-    assert_true(c[CSM_C_PARAMS * 4 + 2] == (float)(1.0 / config.resolution));
-    assert_true(c[CSM_C_PARAMS * 4 + 3] == (float)frame.cascades[count - 1].info.far_depth);
-    assert_true(c[CSM_C_FILTER * 4 + 3] == (config.filter == CSM_FILTER_PCF_3X3 ? 3.0f : 1.0f));
-    assert_true(c[CSM_C_BIAS * 4] == (float)config.bias_constant_texels);
-    assert_true(c[CSM_C_BIAS * 4 + 3] == (float)config.bias_normal_texels);
-    for (uint32_t axis = 0; axis < 9; ++axis)
-      assert_true(c[(CSM_C_BASIS + axis / 3) * 4 + axis % 3] == (float)frame.basis[axis]);
-    for (uint32_t k = 0; k < CSM_MAX_CASCADES; ++k) {
-      const csm_cascade_info *info = &frame.cascades[k < count ? k : count - 1].info;
-      const float *texel = &c[(CSM_C_TEXELS + k) * 4];
-      assert_true(c[CSM_C_SPLITS * 4 + k] == (float)info->far_depth);
-      assert_true(texel[0] == (float)info->texel_size && texel[1] == (float)(1.0 / info->depth_range));
-      assert_true(texel[2] == (float)(reach * info->texel_size));
-      double point[3], relative[3], shadow[3];
-      const double x = random_between(&random, -1.0, 1.0), y = random_between(&random, -1.0, 1.0);
-      const double depth = random_between(&random, info->near_depth, info->far_depth);
-      camera_point(&camera, x, y, depth, point);
-      for (int axis = 0; axis < 3; ++axis)
-        relative[axis] = point[axis] - frame.camera.position[axis];
-      const float *row = &c[CSM_C_DEPTH * 4];
-      assert_near(row_times(row, relative), depth, row_rounding(row, relative) + 1e-14 * (world + fabs(depth)));
-      transform_point(info->world_to_shadow, point, shadow);
-      for (int axis = 0; axis < 3; ++axis) {
-        row = &c[(CSM_C_MATRICES + k * 3 + (uint32_t)axis) * 4];
-        const double size = axis == 2 ? info->depth_range : info->texel_size * config.resolution;
-        assert_near(row_times(row, relative), shadow[axis],
-                    row_rounding(row, relative) + 1e-15 * (16.0 + 16.0 * world / size));
-      }
-    }
+    check_settings(c, &frame, &config);
+    check_cascades(c, &frame, &config, &camera, &random, world);
   }
 }
 
-static void image_basis(const test_camera *camera, double *handedness) {
-  const double *a = camera->right, *b = camera->up, *f = camera->forward;
-  double sum = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3, k = (i + 2) % 3;
-    sum += (a[j] * b[k] - a[k] * b[j]) * -f[i];
-  }
-  *handedness = sum < 0.0 ? -1.0 : 1.0;
+enum { pixels_wide = 640, pixels_high = 360 };
+
+/* A random camera near the planned one, and the mask's constants for it. */
+typedef struct mask_case {
+  plan_frame frame;
+  test_camera camera;
+  plan_camera made;
+  double projection[16];
+  float m[CSM_M_COUNT * 4];
+} mask_case;
+
+static void make_mask_case(mask_case *c, random_state *random, double world, bool flipped) {
+  const test_camera planned = random_camera(random, world);
+  const csm_config config = default_config();
+  c->camera = random_camera(random, 0.0);
+  for (int k = 0; k < 3 && flipped; ++k)
+    c->camera.right[k] = -c->camera.right[k];
+  c->frame = plan_empty(&config, &planned, (double[]){0.3, -1.0, 0.2});
+  for (int k = 0; k < 3; ++k)
+    c->camera.eye[k] = c->frame.camera.position[k] + random_between(random, -3.0, 3.0);
+  double view[16];
+  const char *error = "";
+  camera_matrices(&c->camera, view, c->projection);
+  assert_int_equal(plan_camera_make(&c->made, view, c->projection, camera_reversed(&c->camera), &error), CSM_SUCCESS);
+  const plan_picture picture = {
+      .camera = &c->made, .width = pixels_wide, .height = pixels_high, .show = CSM_SHOW_DENSITY, .unorm_normals = true};
+  assert_int_equal(plan_write_mask_constants(c->m, &c->frame, &picture), sizeof c->m);
 }
 
-/* Clip space of any camera leads back to the world, relative to the plan's camera. */
+/* What a point of the world, at a place of the image and a view depth, is to the mask: x, y, depth. */
+static void pixel_of(const mask_case *c, double x, double y, double depth, double point[3], double pixel[3]) {
+  const double w = c->camera.orthographic ? 1.0 : depth, side = c->camera.left_handed ? 1.0 : -1.0;
+  camera_point(&c->camera, x, y, depth, point);
+  pixel[0] = (x + 1.0) * 0.5 * pixels_wide;
+  pixel[1] = (1.0 - y) * 0.5 * pixels_high;
+  pixel[2] = (c->projection[10] * side * depth + c->projection[14]) / w;
+}
+
+static void check_mask_point(const mask_case *c, random_state *random, double world) {
+  const double range = fmin(c->camera.far, 100.0 + c->camera.near) - c->camera.near;
+  const double depth = c->camera.near + range * random_between(random, 0.0, 1.0);
+  double pixel[3], point[3], relative[3];
+  pixel_of(c, random_between(random, -1.0, 1.0), random_between(random, -1.0, 1.0), depth, point, pixel);
+  const float *rows = &c->m[CSM_M_LIGHT * 4];
+  const double back = row_times(&rows[12], pixel), back_error = row_rounding(&rows[12], pixel);
+  assert_true(back_error < back || c->camera.far > 1e6 * c->camera.near);
+  if (back_error > 1e-3 * back)
+    return; /* floats cannot hold this depth */
+  for (int k = 0; k < 3; ++k)
+    relative[k] = point[k] - c->frame.camera.position[k];
+  for (int axis = 0; axis < 3; ++axis) {
+    const double *a = &c->frame.basis[axis * 3];
+    const double value = row_times(&rows[axis * 4], pixel) / back;
+    const double expected = a[0] * relative[0] + a[1] * relative[1] + a[2] * relative[2];
+    const double lost = row_rounding(&rows[axis * 4], pixel) + (fabs(value) + 1.0) * back_error;
+    assert_near(value, expected, 2.0 * lost / back + 3e-14 * world);
+  }
+}
+
+/* Pixels of any camera lead back to the world, relative to the plan's camera. */
 static void mask_constants_lead_back_to_the_world(void **state) {
   (void)state;
   random_state random = {3};
   for (int i = 0; i < 5000; ++i) {
     const double world = i % 2 ? 1e7 : 10.0;
-    const test_camera planned = random_camera(&random, world);
-    test_camera camera = random_camera(&random, 0.0);
-    if (i % 7 == 0)
-      for (int k = 0; k < 3; ++k)
-        camera.right[k] = -camera.right[k];
-    const csm_config config = default_config();
-    const plan_frame frame = plan_empty(&config, &planned, (double[]){0.3, -1.0, 0.2});
-    for (int k = 0; k < 3; ++k)
-      camera.eye[k] = frame.camera.position[k] + random_between(&random, -3.0, 3.0);
-    double view[16], projection[16], handedness;
-    camera_matrices(&camera, view, projection);
-    plan_camera made;
-    const char *error = "";
-    assert_int_equal(plan_camera_make(&made, view, projection, camera_reversed(&camera), &error), CSM_SUCCESS);
-    float m[CSM_M_COUNT * 4];
-    assert_int_equal(plan_write_mask_constants(m, &frame, &made, 640, 360, false, CSM_VIEW_DENSITY), sizeof m);
-    assert_true(m[CSM_M_VIEW * 4] == CSM_VIEW_DENSITY);
-    image_basis(&camera, &handedness);
-    assert_true(m[CSM_M_CLEAR * 4] == (camera.reversed ? 0.0f : 1.0f));
-    assert_true(m[CSM_M_CLEAR * 4 + 1] == (float)handedness);
-    assert_true(m[CSM_M_SIZE * 4] == 640.0f && m[CSM_M_SIZE * 4 + 1] == 360.0f);
-    assert_true(m[CSM_M_SIZE * 4 + 2] == 1.0f / 640.0f && m[CSM_M_SIZE * 4 + 3] == 1.0f / 360.0f);
-
-    const double depth =
-        camera.near + (fmin(camera.far, 100.0 + camera.near) - camera.near) * random_between(&random, 0.0, 1.0);
-    double clip[3] = {random_between(&random, -1.0, 1.0), random_between(&random, -1.0, 1.0), 0.0}, point[3];
-    camera_point(&camera, clip[0], clip[1], depth, point);
-    const double w = camera.orthographic ? 1.0 : depth, side = camera.left_handed ? 1.0 : -1.0;
-    clip[2] = (projection[10] * side * depth + projection[14]) / w;
-    const float *rows = &m[CSM_M_INVERSE * 4];
-    const double back = row_times(&rows[12], clip), back_error = row_rounding(&rows[12], clip);
-    assert_true(back_error < back || camera.far > 1e6 * camera.near);
-    if (back_error > 1e-3 * back)
-      continue; /* floats cannot hold this depth */
+    mask_case c;
+    make_mask_case(&c, &random, world, i % 7 == 0);
+    assert_true(c.m[CSM_M_CLEAR * 4] == (c.camera.reversed ? 0.0f : 1.0f));
+    assert_true(c.m[CSM_M_CLEAR * 4 + 1] == CSM_SHOW_DENSITY);
+    assert_true(c.m[CSM_M_SIZE * 4] == pixels_wide && c.m[CSM_M_SIZE * 4 + 1] == pixels_high);
+    assert_true(c.m[CSM_M_SIZE * 4 + 2] == 1.0f / pixels_wide && c.m[CSM_M_SIZE * 4 + 3] == 1.0f / pixels_high);
+    /* 8 bits hold -1 to 1 as 0 to 1 */
     for (int axis = 0; axis < 3; ++axis) {
-      const double value = row_times(&rows[axis * 4], clip) / back,
-                   relative = point[axis] - frame.camera.position[axis];
-      const double lost = row_rounding(&rows[axis * 4], clip) + (fabs(value) + 1.0) * back_error;
-      assert_near(value, relative, 2.0 * lost / back + 1e-14 * world);
+      const double *a = &c.frame.basis[axis * 3], texel[3] = {0.5 + 0.5 * a[0], 0.5 + 0.5 * a[1], 0.5 + 0.5 * a[2]};
+      assert_near(row_times(&c.m[(CSM_M_NORMALS + axis) * 4], texel), 1.0, 1e-6);
     }
+    check_mask_point(&c, &random, world);
   }
+}
+
+/* A plane through three points of the screen has the normal that they have in the world, on the viewer's side. */
+static void planes_on_screen_lead_back_to_normals(void **state) {
+  (void)state;
+  random_state random = {6};
+  uint32_t checked = 0;
+  for (int i = 0; i < 5000; ++i) {
+    mask_case c;
+    make_mask_case(&c, &random, i % 2 ? 1e7 : 10.0, i % 7 == 0);
+    double points[3][3], pixels[3][3], sides[2][3], normal[3], light[3] = {0};
+    const double depth = c.camera.near + 5.0;
+    if (c.camera.far < depth + 2.0 || c.camera.near < 0.01 * depth)
+      continue; /* floats of the depth say too little there */
+    for (int p = 0; p < 3; ++p)
+      pixel_of(&c, p == 1 ? 0.3 : -0.1, p == 2 ? 0.4 : -0.2, depth + random_between(&random, -1.0, 1.0), points[p],
+               pixels[p]);
+    for (int p = 0; p < 2; ++p)
+      for (int k = 0; k < 3; ++k)
+        sides[p][k] = points[p + 1][k] - points[0][k];
+    plan_cross(normal, sides[0], sides[1]);
+    assert_true(plan_normalize(normal));
+    const double steps[2] = {(pixels[1][2] - pixels[0][2]) / (pixels[1][0] - pixels[0][0]),
+                             (pixels[2][2] - pixels[0][2]) / (pixels[2][1] - pixels[0][1])};
+    const double origin = pixels[0][2] - steps[0] * pixels[0][0] - steps[1] * pixels[0][1];
+    for (int axis = 0; axis < 3; ++axis) {
+      const float *row = &c.m[(CSM_M_PLANES + axis) * 4];
+      light[axis] = steps[0] * (double)row[0] + steps[1] * (double)row[1] + origin * (double)row[3] - (double)row[2];
+    }
+    assert_true(plan_normalize(light));
+    double world[3], cosine = 0.0, to_viewer = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      const double *b = c.frame.basis;
+      world[k] = light[0] * b[k] + light[1] * b[3 + k] + light[2] * b[6 + k];
+      cosine += world[k] * normal[k];
+      to_viewer += world[k] * (c.camera.orthographic ? -c.camera.forward[k] : c.camera.eye[k] - points[0][k]);
+    }
+    assert_near(fabs(cosine), 1.0, 1e-4);
+    assert_true(to_viewer > 0.0);
+    ++checked;
+  }
+  assert_true(checked > 1000);
 }
 
 static void view_matrices_agree_with_the_camera(void **state) {
@@ -223,7 +320,8 @@ static uint64_t hash_of(const hashed *in, const test_scene *scene) {
   const char *error = "";
   plan_frame frame;
   camera_matrices(&in->camera, view, projection);
-  assert_int_equal(plan_made(&frame, &in->config, view, projection, camera_reversed(&camera), in->light, &scene->scene,
+  assert_int_equal(plan_made(&frame, &in->config,
+                             &(test_shot){view, projection, camera_reversed(&in->camera), in->light}, &scene->scene,
                              scene->memory, &error),
                    CSM_SUCCESS);
   return plan_hash(&frame, &in->config, &scene->scene);
@@ -275,6 +373,7 @@ int main(void) {
       cmocka_unit_test(cascade_matrices_agree_with_world_to_shadow),
       cmocka_unit_test(constants_agree_with_the_plan),
       cmocka_unit_test(mask_constants_lead_back_to_the_world),
+      cmocka_unit_test(planes_on_screen_lead_back_to_normals),
       cmocka_unit_test(view_matrices_agree_with_the_camera),
       cmocka_unit_test(hash_tells_plans_apart),
   };

@@ -1,8 +1,8 @@
 /*
  * csm.h: cascaded shadow maps for an engine, on whichever backend is loaded.
  *
- *   once        csm_create -> csm_mesh_create -> csm_scene_create, csm_scene_add -> csm_cascades_create ->
- * csm_view_create each frame  csm_scene_move -> csm_render_cascades -> csm_resolve_mask or csm_bind
+ *   once        csm_create, csm_mesh_create, csm_scene_create, csm_scene_add, csm_cascades_create, csm_view_create
+ *   each frame  csm_scene_move, csm_render_cascades, then csm_resolve_mask or csm_bind
  *
  * Conventions: column vectors, column-major matrices (element [column * 4 + row]), world positions in doubles, metres,
  * radians. Clip z in [0,1], clip y up; texture coordinate v = 0 and texel row 0 are clip y = +1. A light's direction is
@@ -190,7 +190,7 @@ CSM_API csm_result CSM_CALL csm_alpha_mask_create(csm_context *context, const cs
 
 /*
  * Frees an alpha mask once no frame in flight uses it. Errors: NULL_POINTER, INVALID_HANDLE, INVALID_STATE (a mesh uses
- * it still), DEVICE_LOST. [render-thread]
+ * it still). [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_alpha_mask_destroy(csm_context *context, csm_alpha_mask alpha_mask);
 
@@ -259,7 +259,7 @@ CSM_API csm_result CSM_CALL csm_mesh_update(csm_context *context, csm_mesh mesh,
 
 /*
  * Frees a mesh once no frame in flight that csm recorded uses it. Errors: NULL_POINTER, INVALID_HANDLE, INVALID_STATE
- * (an instance of a scene uses it still), DEVICE_LOST. [render-thread]
+ * (an instance of a scene uses it still). [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_mesh_destroy(csm_context *context, csm_mesh mesh);
 
@@ -555,7 +555,8 @@ typedef struct csm_cascade_stats {
 typedef struct csm_stats {
   uint32_t struct_size;
   uint32_t cascade_count;
-  uint64_t plan_hash;  /* of everything the last frame's plan holds: equal on every backend */
+  uint64_t plan_hash;  /* of everything the last frame's plan holds: equal on every backend. 0 if there was none, or its
+                          scene has changed since */
   double plan_ms;      /* planning and culling of the last csm_render_cascades, on the CPU */
   double record_ms;    /* recording it, submission included on an own device */
   double clear_gpu_ms; /* as csm_cascade_stats.gpu_ms */
@@ -564,7 +565,8 @@ typedef struct csm_stats {
   uint64_t geometry_bytes;    /* of the context's meshes */
   uint64_t frame_bytes;       /* of the context's memory that changes per frame */
   uint32_t instances;         /* that the last frame's scene or list held */
-  uint32_t instances_changed; /* that came, moved, changed or went since these cascades' frame before */
+  uint32_t instances_changed; /* that came, moved, changed or went since these cascades' frame before; of a list, or of
+                                 another scene than before, all */
 } csm_stats;
 
 /*

@@ -65,15 +65,24 @@ static uint64_t size(const void *self, const technique_run *run) {
   return draw_list_bytes(run->picture->seen, ROWS);
 }
 
+static csm_result import(device *device, technique_picture *picture) {
+  const engine_image from = {.native = picture->engines_depth,
+                             .name = "csm_mask_info: camera_depth",
+                             .width = picture->width,
+                             .height = picture->height};
+  engine_imported imported;
+  const csm_result result = engine_image_import(device, &from, &imported);
+  picture->depth = imported.image;
+  return result;
+}
+
 static csm_result reserve(void *self, technique_run *run, const ring_range *ring) {
   camera_depth_state *state = self;
   technique_picture *picture = run->picture;
   const bool reversed = picture->camera->reversed;
-  bool ignored;
   state->ring = *ring;
   if (picture->engines_depth)
-    return engine_image_import(run->device, picture->engines_depth, picture->width, picture->height,
-                               "csm_mask_info: camera_depth", &picture->depth, &ignored);
+    return import(run->device, picture);
   csm_result result = extend_programs(run->device, &state->programs[reversed], reversed);
   if (!result)
     result = drawn_image_reserve(&state->depth, run->device, "camera depth", GPU_FORMAT_D32_FLOAT, picture->width,

@@ -63,10 +63,10 @@ void tile_images_free(device *device, retired *self) {
 }
 
 static csm_result make_image(device *device, tile_images *tiles, uint32_t large, uint32_t width, uint32_t height) {
+  const gpu_image_info info = {
+      .name = "depth tiles", .format = GPU_FORMAT_RG32_FLOAT, .width = width, .height = height};
   const csm_result result = find_program(device, large, &tiles->programs[large]);
-  return result ? result
-                : device_drawn_image(device, "depth tiles", GPU_FORMAT_RG32_FLOAT, width, height, &tiles->images[large],
-                                     &tiles->targets[large]);
+  return result ? result : device_drawn_image(device, &info, &tiles->images[large], &tiles->targets[large]);
 }
 
 csm_result tile_images_create(device *device, uint32_t width, uint32_t height, tile_images **out) {

@@ -33,31 +33,40 @@ static uint64_t size(const void *self, const technique_run *run) {
   return BLOCKS;
 }
 
+/* The engine's normals. */
+static csm_result import(device *device, const technique_picture *picture, engine_imported *out) {
+  const engine_image from = {.native = picture->engines_normals,
+                             .name = "csm_mask_info: normals",
+                             .width = picture->width,
+                             .height = picture->height};
+  return engine_image_import(device, &from, out);
+}
+
 static csm_result reserve(void *self, technique_run *run, const ring_range *ring) {
   mask_state *state = self;
   device *device = run->device;
   const technique_picture *picture = run->picture;
   const bool shows = picture->show != CSM_SHOW_VISIBILITY;
-  gpu_image *normals = NULL;
+  engine_imported normals = {0};
   state->ring = *ring;
   csm_result result =
       drawn_image_reserve(&state->mask, device, "mask", GPU_FORMAT_R8_UNORM, picture->width, picture->height);
   if (!result)
-    result = engine_image_import(device, picture->engines_normals, picture->width, picture->height,
-                                 "csm_mask_info: normals", &normals, &state->unorm_normals);
+    result = import(device, picture, &normals);
   if (shows)
-    normals = NULL; /* checked all the same */
+    normals = (engine_imported){0}; /* checked all the same */
   if (!result)
-    result = mask_program(device, run->config, normals, shows, &state->program);
+    result = mask_program(device, run->config, normals.image, shows, &state->program);
   if (result)
     return result;
+  state->unorm_normals = normals.unorm;
   const gpu_bindings_info reads = {
       .name = "mask",
       .program = state->program,
       .constants = {ring->buffer, ring->buffer},
-      .textures = {maps_image(run->cascades), picture->depth, normals},
+      .textures = {maps_image(run->cascades), picture->depth, normals.image},
   };
-  return inputs_find(&state->inputs[normals != NULL], device, &reads, &state->bindings);
+  return inputs_find(&state->inputs[normals.image != NULL], device, &reads, &state->bindings);
 }
 
 static void write(void *self, const technique_run *run) {
@@ -65,8 +74,12 @@ static void write(void *self, const technique_run *run) {
   const technique_picture *picture = run->picture;
   char *blocks = state->ring.memory;
   memcpy(blocks, run->constants, run->constants_size);
-  plan_write_mask_constants((float *)(blocks + MASK_CASCADES_BLOCK), run->plan, picture->camera, picture->width,
-                            picture->height, state->unorm_normals, picture->show);
+  plan_write_mask_constants((float *)(blocks + MASK_CASCADES_BLOCK), run->plan,
+                            &(plan_picture){.camera = picture->camera,
+                                            .width = picture->width,
+                                            .height = picture->height,
+                                            .show = picture->show,
+                                            .unorm_normals = state->unorm_normals});
 }
 
 static void adopt(void *self, device *from) {

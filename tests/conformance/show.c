@@ -1,0 +1,273 @@
+/* show.c: what a mask shows in place of visibility, against what the plan says, and who cast into which map. */
+#include "support.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { width = 192, height = 128, pixels = width * height };
+
+typedef struct shown {
+  record record;
+  csm_context *context;
+  csm_cascades *cascades;
+  csm_view *view;
+  csm_binding binding;
+} shown;
+
+static void open_view(shown *v) {
+  memset(v, 0, sizeof *v);
+  v->context = support_open(&v->record);
+  v->view = support_view(v->context);
+}
+
+static void draw(shown *v, const csm_config *config, shot *shot) {
+  if (v->cascades)
+    assert_int_equal(csm_cascades_configure(v->cascades, config), CSM_SUCCESS);
+  else
+    assert_int_equal(csm_cascades_create(v->context, config, &v->cascades), CSM_SUCCESS);
+  assert_int_equal(csm_render_cascades(v->cascades, shot_frame(shot)), CSM_SUCCESS);
+  v->binding = (csm_binding){.struct_size = sizeof v->binding};
+  assert_int_equal(csm_bind(v->cascades, &v->binding), CSM_SUCCESS);
+}
+
+/* What a mask holds, in 255ths; the caller frees it. */
+static int *resolve(const shown *v, shot *shot, uint32_t show) {
+  const csm_mask_info info = {
+      .struct_size = sizeof info, .frame = shot_frame(shot), .width = width, .height = height, .show = show};
+  assert_int_equal(csm_resolve_mask(v->view, v->cascades, &info), CSM_SUCCESS);
+  float *mask = support_image(v->context, v->view, CSM_READ_MASK, width, height);
+  int *values = malloc(pixels * sizeof *values);
+  assert_non_null(values);
+  for (int i = 0; i < pixels; ++i) {
+    values[i] = (int)lroundf(mask[i] * 255);
+    assert_float_equal(mask[i] * 255, values[i], 1e-3);
+  }
+  free(mask);
+  return values;
+}
+
+static void finish(shown *v) {
+  assert_int_equal(csm_cascades_destroy(v->cascades), CSM_SUCCESS);
+  support_close(v->context, &v->record);
+}
+
+/* ---- cascades ---- */
+
+/* View depth of what the scene's camera sees at a pixel; negative: nothing. */
+static double view_depth(const shot *shot, float depth) {
+  return depth > 0 ? shot->camera.projection[14] / ((double)depth + shot->camera.projection[10]) : -1;
+}
+
+/* The first cascade that does not end before a depth; how far its ends are, as a share of the depth, into *margin. */
+static uint32_t interval(const csm_binding *binding, double depth, double *margin) {
+  uint32_t cascade = 0;
+  *margin = 1;
+  for (uint32_t k = 0; k < binding->cascade_count; ++k) {
+    cascade += depth > binding->cascades[k].far_depth;
+    *margin = fmin(*margin, fabs(depth - binding->cascades[k].far_depth) / depth);
+  }
+  return cascade;
+}
+
+static void a_point_has_the_cascade_of_its_interval(void **state) {
+  (void)state;
+  shown v;
+  support_scene scene;
+  csm_config config = support_config();
+  config.selection = CSM_SELECT_INTERVAL;
+  config.shadow_distance = 26;
+  config.split_mode = CSM_SPLIT_MANUAL;
+  config.split_distances[0] = 12;
+  config.split_distances[1] = 18;
+  config.split_distances[2] = 26;
+  open_view(&v);
+  support_scene_make(&scene, v.context);
+  draw(&v, &config, &scene.shot);
+  int *values = resolve(&v, &scene.shot, CSM_SHOW_CASCADE);
+  float *depths = support_image(v.context, v.view, CSM_READ_CAMERA_DEPTH, width, height);
+  uint32_t seen[5] = {0}, near_a_split = 0;
+  for (int i = 0; i < pixels; ++i) {
+    double margin = 1;
+    const double depth = view_depth(&scene.shot, depths[i]);
+    const uint32_t cascade = depth < 0 ? 4 : interval(&v.binding, depth, &margin);
+    const bool split = margin < 1e-5;
+    near_a_split += split;
+    if (!split)
+      assert_int_equal(values[i], cascade < 3 ? cascade + 1 : 0);
+    ++seen[cascade];
+  }
+  for (int k = 0; k < 5; ++k) /* 3: beyond, 4: nothing */
+    assert_true(seen[k] > 100);
+  assert_true(near_a_split < 100);
+  free(values);
+  free(depths);
+
+  /* The mask is visibility again when it is asked for. */
+  int *shadow = resolve(&v, &scene.shot, CSM_SHOW_VISIBILITY);
+  uint32_t lit = 0;
+  for (int i = 0; i < pixels; ++i)
+    lit += shadow[i] == 255;
+  assert_true(lit > pixels / 4);
+  free(shadow);
+  finish(&v);
+}
+
+/* Over the end of a slice each point has its own cascade or the next one, and elsewhere its own. */
+static void dithered_points_have_the_cascade_they_got(void **state) {
+  (void)state;
+  shown v;
+  support_scene scene;
+  csm_config config = support_config();
+  config.selection = CSM_SELECT_INTERVAL;
+  config.blend_mode = CSM_BLEND_DITHERED;
+  config.blend_share = 0.5;
+  open_view(&v);
+  support_scene_make(&scene, v.context);
+  draw(&v, &config, &scene.shot);
+  int *values = resolve(&v, &scene.shot, CSM_SHOW_CASCADE);
+  float *depths = support_image(v.context, v.view, CSM_READ_CAMERA_DEPTH, width, height);
+  uint32_t stayed = 0, went = 0;
+  for (int i = 0; i < pixels; ++i) {
+    double margin = 1;
+    const double depth = view_depth(&scene.shot, depths[i]);
+    const uint32_t cascade = depth < 0 ? 4 : interval(&v.binding, depth, &margin);
+    if (cascade > 1 || margin < 1e-5)
+      continue; /* the last one has none after it */
+    const csm_cascade_info *info = &v.binding.cascades[cascade];
+    const double along = (depth - info->near_depth) / (info->far_depth - info->near_depth);
+    if (along < 0.499)
+      assert_int_equal(values[i], cascade + 1);
+    else if (along > 0.501) {
+      assert_true(values[i] == (int)cascade + 1 || values[i] == (int)cascade + 2);
+      stayed += values[i] == (int)cascade + 1;
+      went += values[i] == (int)cascade + 2;
+    }
+  }
+  assert_true(stayed > 500 && went > 500);
+  free(values);
+  free(depths);
+  finish(&v);
+}
+
+/* ---- density ---- */
+
+/* Each pixel of a wall 10 m before a camera that looks straight at it has one density: the picture's own metres a pixel
+   over a texel's, whichever way the map is turned, and though the sun comes from the side: along the wall's height a
+   texel stays as it is. */
+static void a_wall_has_the_density_of_its_texels(void **state) {
+  (void)state;
+  const struct {
+    uint32_t resolution;
+    double aside, aspect; /* of the sun; of the picture, which is seen through pixels of `width` to `height` */
+  } cases[] = {{256, 0, 1.5}, {1024, 0, 1.5}, {256, 1.2, 1.5}, {512, 0, 4.5}, {16, 0, 1.5}};
+  shown v;
+  open_view(&v);
+  const csm_instance wall = support_instance(support_box(v.context, 2), 0, 0, -10, 100, 100, 1e-3);
+  for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+    csm_config config = support_config();
+    config.selection = CSM_SELECT_INTERVAL;
+    config.resolution = cases[i].resolution;
+    shot shot = shot_make(&wall, 1);
+    memcpy(shot.light.direction, (const double[]){-sin(cases[i].aside), 0, -cos(cases[i].aside)},
+           sizeof shot.light.direction);
+    support_look_at(shot.camera.view, (const double[]){0, 0, 0}, (const double[]){0, 0, -1});
+    support_perspective(shot.camera.projection, 50, cases[i].aspect, 0.25, 200);
+    draw(&v, &config, &shot);
+    int *cascades = resolve(&v, &shot, CSM_SHOW_CASCADE), *values = resolve(&v, &shot, CSM_SHOW_DENSITY);
+    const double depth = 10 - 1e-3, down = 2 * depth / shot.camera.projection[5] / height;
+    const double across = 2 * depth / shot.camera.projection[0] / width * cos(cases[i].aside);
+    double margin;
+    const uint32_t cascade = interval(&v.binding, depth, &margin);
+    const double exact = 128 + 16 * log2(fmax(across, down) / v.binding.cascades[cascade].texel_size);
+    assert_true(margin > 1e-3 && exact > 1 && exact < 255);
+    for (int at = 0; at < pixels; ++at) {
+      assert_int_equal(cascades[at], cascade + 1);
+      assert_float_equal(values[at], exact, 0.5 + 0.02);
+    }
+    free(cascades);
+    free(values);
+  }
+  finish(&v);
+}
+
+/* Nothing, and what lies beyond, has no density; a grazed ground has more texels for a pixel farther away. */
+static void the_ground_is_coarse_before_the_camera(void **state) {
+  (void)state;
+  shown v;
+  support_scene scene;
+  csm_config config = support_config();
+  config.cascade_count = 1;
+  config.shadow_distance = 30;
+  open_view(&v);
+  support_scene_make(&scene, v.context);
+  scene.shot.frame.instance_count = 1;
+  draw(&v, &config, &scene.shot);
+  int *cascades = resolve(&v, &scene.shot, CSM_SHOW_CASCADE), *values = resolve(&v, &scene.shot, CSM_SHOW_DENSITY);
+  uint32_t steps = 0;
+  for (int i = 0; i < pixels; ++i) {
+    assert_true((values[i] == 0) == (cascades[i] == 0));
+    if (i < width || !values[i] || !values[i - width])
+      continue;
+    assert_true(values[i] <= values[i - width] + 1);
+    steps += values[i] < values[i - width];
+  }
+  assert_true(steps > width);
+  free(cascades);
+  free(values);
+  finish(&v);
+}
+
+/* ---- casters ---- */
+
+static void casters_are_told(void **state) {
+  (void)state;
+  shown v;
+  support_scene scene;
+  const csm_config config = support_config();
+  open_view(&v);
+  support_scene_make(&scene, v.context);
+  csm_instance instances[SUPPORT_INSTANCES + 1];
+  memcpy(instances, scene.instances, sizeof scene.instances);
+  instances[SUPPORT_INSTANCES] = support_instance(instances[1].mesh, 4000, 0, 0, 1, 1, 1);
+  scene.shot.frame.instances = instances;
+  scene.shot.frame.instance_count = SUPPORT_INSTANCES + 1;
+  draw(&v, &config, &scene.shot);
+  csm_stats stats = {.struct_size = sizeof stats};
+  assert_int_equal(csm_get_stats(v.cascades, &stats), CSM_SUCCESS);
+  uint8_t drawn[SUPPORT_INSTANCES + 2];
+  memset(drawn, 0xAA, sizeof drawn);
+  assert_int_equal(csm_get_casters(v.cascades, SUPPORT_INSTANCES + 1, NULL, drawn), CSM_SUCCESS);
+  assert_int_equal(drawn[0], 7);                        /* the ground */
+  assert_int_equal(drawn[SUPPORT_INSTANCES], 0);        /* what is far away */
+  assert_int_equal(drawn[SUPPORT_INSTANCES + 1], 0xAA); /* no more is written */
+  for (uint32_t k = 0; k < 8; ++k) {
+    uint32_t count = 0;
+    for (uint32_t i = 0; i <= SUPPORT_INSTANCES; ++i)
+      count += drawn[i] >> k & 1;
+    assert_int_equal(count, k < config.cascade_count ? stats.cascades[k].casters_drawn : 0);
+  }
+  /* A frame that fails leaves the last one's; one without instances has none to tell. */
+  shot shot = scene.shot;
+  shot.light.direction[0] = NAN;
+  v.record.quiet = true;
+  assert_int_equal(csm_render_cascades(v.cascades, shot_frame(&shot)), CSM_ERROR_NOT_FINITE);
+  assert_int_equal(csm_get_casters(v.cascades, SUPPORT_INSTANCES + 1, NULL, drawn), CSM_SUCCESS);
+  assert_int_equal(drawn[0], 7);
+  shot = scene.shot;
+  shot.frame.instance_count = 0;
+  assert_int_equal(csm_render_cascades(v.cascades, shot_frame(&shot)), CSM_SUCCESS);
+  assert_int_equal(csm_get_casters(v.cascades, 0, NULL, NULL), CSM_SUCCESS);
+  finish(&v);
+}
+
+int main(int argc, char **argv) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_point_has_the_cascade_of_its_interval),
+      cmocka_unit_test(dithered_points_have_the_cascade_they_got),
+      cmocka_unit_test(a_wall_has_the_density_of_its_texels),
+      cmocka_unit_test(the_ground_is_coarse_before_the_camera),
+      cmocka_unit_test(casters_are_told),
+  };
+  return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
+}
