@@ -11,7 +11,7 @@
 #include "forward_code.h"
 #include "forward_depths_glsl.h"
 #include "forward_glsl.h"
-#include "loader.h"
+#include "abi/loader.h"
 #include "passes/passes.h"
 #include "plan/plan.h"
 #include "shader_code.h"
