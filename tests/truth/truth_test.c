@@ -200,12 +200,12 @@ static uint32_t make_cameras(camera *out, const double eye[3], const double at[3
   memcpy(projection, plain.projection, sizeof projection);
   projection[8] = 0.3;
   projection[9] = -0.2;
-  assert_null(camera_from_matrices(&out[count++], plain.view, projection));
+  assert_null(camera_from_matrices(&out[count++], plain.view, projection, NULL));
 
   memcpy(projection, plain.projection, sizeof projection);
   projection[10] = -1.0;
   projection[14] = -0.1;
-  assert_null(camera_from_matrices(&out[count++], plain.view, projection));
+  assert_null(camera_from_matrices(&out[count++], plain.view, projection, NULL));
 
   memcpy(view, plain.view, sizeof view);
   memcpy(projection, plain.projection, sizeof projection);
@@ -213,10 +213,10 @@ static uint32_t make_cameras(camera *out, const double eye[3], const double at[3
     view[column * 4 + 2] = -view[column * 4 + 2];
   projection[10] = -projection[10];
   projection[11] = 1.0;
-  assert_null(camera_from_matrices(&out[count++], view, projection));
+  assert_null(camera_from_matrices(&out[count++], view, projection, NULL));
 
   const double flat[16] = {0.15, 0, 0, 0, 0, 0.2, 0, 0, 0, 0, -1.0 / 40.0, 0, 0.1, -0.1, 0, 1};
-  assert_null(camera_from_matrices(&out[count++], plain.view, flat));
+  assert_null(camera_from_matrices(&out[count++], plain.view, flat, NULL));
   return count;
 }
 
@@ -354,7 +354,7 @@ static void surface_does_not_shadow_itself(void **state) {
                            1.0 - 1.0 / HEIGHT + 20.0 / HEIGHT,
                            -0.5,
                            1};
-  assert_null(camera_from_matrices(&cameras[1], down, flat));
+  assert_null(camera_from_matrices(&cameras[1], down, flat, NULL));
   for (int i = 0; i < 2; i++)
     for (int turn = 0; turn < 8; turn++) {
       answer a;
