@@ -126,6 +126,24 @@ static void test_uploads_once(void **state) {
   assert_int_equal(f->commands.breaches, 0);
 }
 
+/* An update waits for nobody and records nothing; the next frame uploads it, once. */
+static void test_an_update_is_uploaded_once(void **state) {
+  fixture *f = *state;
+  static const float positions[8][3] = {{-1, -1, -1}, {2, 2, 2}};
+  const csm_mesh_update_info info = {.struct_size = sizeof info, .positions = positions};
+  render(f);
+  render(f);
+  forget(&f->commands);
+  assert_int_equal(csm_mesh_update(f->context, f->scene.instances[1].mesh, &info), CSM_SUCCESS);
+  assert_string_equal(f->commands.text, "");
+  render(f);
+  assert_int_equal(count(f->commands.text, "copy_buffer"), 1);
+  assert_int_equal(count(f->commands.text, "wait "), 1); /* the one that each frame has */
+  render(f);
+  assert_int_equal(count(f->commands.text, "copy_buffer"), 0);
+  assert_int_equal(f->commands.breaches, 0);
+}
+
 static void test_slots_in_turn(void **state) {
   fixture *f = *state;
   for (int frame = 0; frame < 7; frame++) {
@@ -186,6 +204,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test_setup_teardown(test_a_frame, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_uploads_once, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(test_an_update_is_uploaded_once, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_slots_in_turn, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_timestamps, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_a_mask, set_up, tear_down),
