@@ -119,7 +119,10 @@ static void take_results(bench_rows *out, const group *g, bool with_base) {
     if (!l->stage || (is_base && !with_base))
       continue;
     bench_result *result = &out->results[out->count++];
-    *result = (bench_result){.row = l->row->name, .backend = l->stage->backend, .ms = compare(l, NULL, out->pairs), .most_floors = l->row->most_floors};
+    *result = (bench_result){.row = l->row->name,
+                             .backend = l->stage->backend,
+                             .ms = compare(l, NULL, out->pairs),
+                             .most_floors = l->row->most_floors};
     result->to_first = compare(l, first_of(g, l), out->pairs);
     result->to_base = compare(l, base, out->pairs);
     if (out->has_floor)
