@@ -63,6 +63,7 @@ static void check_info(smoke *s, const gpu_open_info *open) {
         info.max_image_layers);
   CHECK(s, info.max_allocation_size >= 1 << 27 && info.max_allocation_size <= info.memory_size, "%llu of %llu",
         (unsigned long long)info.max_allocation_size, (unsigned long long)info.memory_size);
+  CHECK(s, info.can.max_buffers >= 4 && info.can.max_storage_size >= 1 << 27, "%u buffers", info.can.max_buffers);
   CHECK(s, info.max_buffer_size >= 1 << 27, "%llu", (unsigned long long)info.max_buffer_size);
   printf("%s: %s; %s; images to %u, %u layers; allocations to %.2f GiB of %.2f\n", s->gpu->name, info.name, info.driver,
          info.max_image_size, info.max_image_layers, (double)info.max_allocation_size / (1 << 30),
@@ -87,13 +88,38 @@ static bool load(smoke *s, const char *path) {
   return hello.backend;
 }
 
-static void (*const tests[])(smoke *) = {
-    test_frames,     test_culling,     test_clamping, test_slope,         test_bias,         test_areas,
-    test_d16,        test_native,      test_clears,   test_compares,      test_pairs,        test_memory,
-    test_copies,     test_regions,     test_updates,  test_levels,        test_level_copies, test_layer_views,
-    test_loads,      test_depth_loads, test_always,   test_both_targets,  test_samplers,     test_eight_textures,
-    test_attributes, test_buffers,     test_atomics,  test_stored_images, test_pixel_stores, test_fetched_vertices,
-    test_indirect};
+static void (*const tests[])(smoke *) = {test_frames,
+                                         test_culling,
+                                         test_clamping,
+                                         test_slope,
+                                         test_bias,
+                                         test_areas,
+                                         test_d16,
+                                         test_native,
+                                         test_clears,
+                                         test_compares,
+                                         test_pairs,
+                                         test_memory,
+                                         test_copies,
+                                         test_regions,
+                                         test_updates,
+                                         test_levels,
+                                         test_level_copies,
+                                         test_layer_views,
+                                         test_loads,
+                                         test_depth_loads,
+                                         test_always,
+                                         test_both_targets,
+                                         test_samplers,
+                                         test_eight_textures,
+                                         test_attributes,
+                                         test_buffers,
+                                         test_atomics,
+                                         test_stored_images,
+                                         test_pixel_stores,
+                                         test_pixel_images,
+                                         test_fetched_vertices,
+                                         test_indirect};
 
 /* With 3 where there is no device. */
 static int run(smoke *s, gpu_open_info *info) {

@@ -180,6 +180,7 @@ void test_buffers(smoke *s); /* stores.c */
 void test_atomics(smoke *s);
 void test_stored_images(smoke *s);
 void test_pixel_stores(smoke *s);
+void test_pixel_images(smoke *s);
 void test_fetched_vertices(smoke *s); /* indirect.c */
 void test_indirect(smoke *s);
 

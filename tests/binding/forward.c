@@ -6,7 +6,7 @@
  * BACKEND is a backend's library. A camera sees nothing but a plane, so a shader can tell each pixel's position without
  * the camera's depth; boxes above the view cast on it. Exits with 0 if all holds, else with 1 and what does not.
  */
-#include "../gpu_host.h"
+#include "../tools/gpu_host.h"
 #include "csm_constants.h"
 #include "forward_code.h"
 #include "forward_glsl_0.h"

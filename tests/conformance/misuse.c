@@ -66,9 +66,9 @@ static void creation(void **state) {
                         sizeof(void *),
                         {.pointer = &good},
                         CSM_ERROR_UNSUPPORTED,
-                        "csm_d3d12_device"};
+                        "device"};
   const misuse another = {"an engine's device of another API", CREATE(vulkan), {.pointer = &good},
-                          CSM_ERROR_UNSUPPORTED, "csm_vulkan_device"};
+                          CSM_ERROR_UNSUPPORTED, "device"};
   expect_create(&good, vulkan ? &other : &another);
   csm_create_info both = good;
   both.vulkan = (const void *)&good;

@@ -376,6 +376,52 @@ static void samples_settle_and_cost_nothing(void **state) {
   close_fixture(&f);
 }
 
+/* Maps that are turned with the light keep their turn when a setting changes, of whatever shape: the first frame after a
+   new bias, and after other maps, has the matrices that it would have had. */
+static void settings_keep_the_lights_roll(void **state) {
+  (void)state;
+  enum { STEPS = 24 };
+  fixture f;
+  csm_cascades *steady, *changed;
+  csm_binding bindings[2];
+  open_fixture(&f);
+  csm_config config = base_config();
+  config.light_roll = CSM_LIGHT_ROLL_CARRIED;
+  assert_int_equal(csm_cascades_create(f.context, &config, &steady), CSM_SUCCESS);
+  assert_int_equal(csm_cascades_create(f.context, &config, &changed), CSM_SUCCESS);
+  csm_cascades *const both[2] = {steady, changed};
+  double turned = 0;
+  for (int step = 0; step < STEPS; ++step) { /* the sun goes round, so that the carried turn is not the fixed one */
+    const double angle = 2 * 3.14159265358979 * step / STEPS;
+    memcpy(f.shot.light.direction, (const double[]){cos(angle), -0.4, sin(angle)}, sizeof f.shot.light.direction);
+    if (step == STEPS / 2) {
+      config.bias_constant_texels += 0.5;
+      assert_int_equal(csm_cascades_configure(changed, &config), CSM_SUCCESS);
+    }
+    if (step == STEPS / 2 + 4) {
+      config.map_layout = CSM_LAYOUT_ATLAS; /* other images */
+      assert_int_equal(csm_cascades_configure(changed, &config), CSM_SUCCESS);
+      config.map_layout = CSM_LAYOUT_ARRAY;
+      assert_int_equal(csm_cascades_configure(changed, &config), CSM_SUCCESS);
+    }
+    for (int i = 0; i < 2; ++i) {
+      assert_int_equal(csm_render_cascades(both[i], shot_frame(&f.shot)), CSM_SUCCESS);
+      bindings[i] = (csm_binding){.struct_size = sizeof bindings[i]};
+      assert_int_equal(csm_bind(both[i], &bindings[i]), CSM_SUCCESS);
+    }
+    assert_memory_equal(bindings[0].cascades, bindings[1].cascades, sizeof bindings[0].cascades);
+  }
+  /* A set of cascades that begins here is turned another way: there was something to keep. */
+  csm_cascades *fresh;
+  assert_int_equal(csm_cascades_create(f.context, &config, &fresh), CSM_SUCCESS);
+  assert_int_equal(csm_render_cascades(fresh, shot_frame(&f.shot)), CSM_SUCCESS);
+  assert_int_equal(csm_bind(fresh, &bindings[1]), CSM_SUCCESS);
+  for (int i = 0; i < 16; ++i)
+    turned = fmax(turned, fabs(bindings[0].cascades[0].world_to_shadow[i] - bindings[1].cascades[0].world_to_shadow[i]));
+  assert_true(turned > 1e-3);
+  close_fixture(&f);
+}
+
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(beyond_is_lit_dark_or_faded),
@@ -385,6 +431,7 @@ int main(int argc, char **argv) {
       cmocka_unit_test(the_rasterisers_bias_moves_depth),
       cmocka_unit_test(patterns_do_not_swim),
       cmocka_unit_test(samples_settle_and_cost_nothing),
+      cmocka_unit_test(settings_keep_the_lights_roll),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
 }

@@ -277,7 +277,9 @@ void life_expect_lost(life *life) {
     assert_int_equal(csm_cascades_configure(life->cascades, &other), CSM_ERROR_DEVICE_LOST);
   }
   assert_int_equal(csm_cascades_create(life->context, &other, &none), CSM_ERROR_DEVICE_LOST);
-  assert_int_equal(csm_mesh_destroy(life->context, 1), CSM_ERROR_DEVICE_LOST);
+  const csm_mesh_update_info update = {.struct_size = sizeof update, .positions = life->props->hill.positions};
+  assert_int_equal(csm_mesh_update(life->context, life->instances[2].mesh, &update), CSM_ERROR_DEVICE_LOST);
+  assert_int_equal(csm_mesh_destroy(life->context, 1), CSM_ERROR_INVALID_HANDLE); /* destroying works */
 }
 
 /* ---- a life with one fault ---- */

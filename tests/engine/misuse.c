@@ -125,13 +125,16 @@ static void fixture_close(fixture *f) {
   rig_close(f->rig);
 }
 
-static void expect_mesh(fixture *f, const rig_native *native, const misuse *row) {
+/* With an alpha mask, or 0. */
+static void expect_tested_mesh(fixture *f, const rig_native *native, csm_alpha_mask alpha_mask, const misuse *row) {
   csm_mesh_info info = {.struct_size = sizeof info,
                         .vertex_count = 3,
                         .index_count = 3,
                         .index_size = 2,
                         .bounds_min = {-1, -1, -1},
-                        .bounds_max = {1, 1, 1}};
+                        .bounds_max = {1, 1, 1},
+                        .alpha_mask = alpha_mask,
+                        .alpha_cutoff = alpha_mask ? 0.5f : 0};
   csm_mesh mesh = 1;
   rig_give_mesh(native, &info);
   f->stage.record.said[0] = '\0';
@@ -141,6 +144,10 @@ static void expect_mesh(fixture *f, const rig_native *native, const misuse *row)
   assert_true((mesh != 0) == !result);
   if (!result)
     assert_int_equal(csm_mesh_destroy(f->stage.context, mesh), CSM_SUCCESS);
+}
+
+static void expect_mesh(fixture *f, const rig_native *native, const misuse *row) {
+  expect_tested_mesh(f, native, 0, row);
 }
 
 static void meshes_are_checked(void **state) {
@@ -164,6 +171,29 @@ static void meshes_are_checked(void **state) {
   memcpy(&native, &larger, sizeof larger);
   native.bytes[larger - 1] = 1;
   expect_mesh(&f, &native, &later);
+  fixture_close(&f);
+}
+
+/* Where uvs lie is read, and checked, for a mesh with an alpha mask alone. */
+static void alpha_tested_meshes_are_checked(void **state) {
+  (void)state;
+  static const misuse fine = {.what = "a good mesh"};
+  static const uint8_t texel = 255;
+  const csm_alpha_mask_info info = {.struct_size = sizeof info, .width = 1, .height = 1, .texels = &texel};
+  misuse rows[MISUSE_ROWS];
+  rig_native good;
+  fixture f;
+  csm_alpha_mask mask;
+  fixture_open(&f);
+  assert_int_equal(csm_alpha_mask_create(f.stage.context, &info, &mask), CSM_SUCCESS);
+  const uint32_t count = rig_misuses(f.rig, RIG_TESTED_MESH, f.image, &f.buffer, &good, rows);
+  expect_tested_mesh(&f, &good, mask, &fine);
+  for (uint32_t i = 0; i < count; ++i) {
+    rig_native native = good;
+    misuse_apply(&rows[i], &native);
+    expect_tested_mesh(&f, &native, mask, &rows[i]);
+    expect_mesh(&f, &native, &fine);
+  }
   fixture_close(&f);
 }
 
@@ -273,6 +303,7 @@ int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(devices_are_checked), cmocka_unit_test(other_apis_are_refused),
       cmocka_unit_test(meshes_are_checked),  cmocka_unit_test(images_are_checked),
+      cmocka_unit_test(alpha_tested_meshes_are_checked),
       cmocka_unit_test(frames_are_counted),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);

@@ -163,7 +163,12 @@ void rig_check_draw(const rig *rig, const csm_draw_info *info);
 
 /* ---- misuse: an API's own structs, of which one field is wrong in each row ---- */
 
-typedef enum rig_struct { RIG_DEVICE, RIG_IMAGE, RIG_MESH } rig_struct;
+typedef enum rig_struct {
+  RIG_DEVICE,
+  RIG_IMAGE,
+  RIG_MESH,
+  RIG_TESTED_MESH /* a mesh with an alpha mask */
+} rig_struct;
 
 /* Fills in a good struct, and the rows that spoil it, at most MISUSE_ROWS; returns their number. The image and the
    buffers are what the good struct speaks of, and what a row may take in a wrong place. */

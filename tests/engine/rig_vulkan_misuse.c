@@ -115,12 +115,29 @@ static uint32_t mesh_rows(const rig_buffer *buffer, rig_native *good, misuse *ou
   return sizeof rows / sizeof rows[0];
 }
 
+static uint32_t tested_mesh_rows(const rig_buffer *buffer, rig_native *good, misuse *out) {
+  static const misuse rows[] = {
+      {"no stride", MESH(uv_stride), {0}, CSM_ERROR_INVALID_VALUE, "uv_stride"},
+      {"a stride below a pair", MESH(uv_stride), {4}, CSM_ERROR_INVALID_VALUE, "uv_stride"},
+      {"a stride that is not aligned", MESH(uv_stride), {10}, CSM_ERROR_INVALID_VALUE, "uv_stride"},
+      {"a stride beyond the device's", MESH(uv_stride), {1u << 30}, CSM_ERROR_INVALID_VALUE, "uv_stride"},
+      {"uvs that are not aligned", MESH(uv_offset), {6}, CSM_ERROR_INVALID_VALUE, "uv_offset"},
+  };
+  misuse untold[MISUSE_ROWS];
+  mesh_rows(buffer, good, untold);
+  good->vulkan_mesh.uv_offset = 512;
+  good->vulkan_mesh.uv_stride = 8;
+  memcpy(out, rows, sizeof rows);
+  return sizeof rows / sizeof rows[0];
+}
+
 uint32_t rig_misuses(rig *rig, rig_struct which, const rig_image *image, const rig_buffer *buffer, rig_native *good,
                      misuse *rows) {
   *good = (rig_native){0};
   return which == RIG_DEVICE  ? device_rows(rig, good, rows)
          : which == RIG_IMAGE ? image_rows(image, good, rows)
-                              : mesh_rows(buffer, good, rows);
+         : which == RIG_MESH  ? mesh_rows(buffer, good, rows)
+                              : tested_mesh_rows(buffer, good, rows);
 }
 
 uint32_t rig_struct_size(rig_struct which) {

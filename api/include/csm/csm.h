@@ -309,8 +309,8 @@ typedef struct csm_scene_batch {
  *   csm_scene_move    gives them other transforms
  *   csm_scene_change  gives them other meshes, flags, layers and transforms
  *   csm_scene_remove  removes them; ids are not given out again
- * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_HANDLE (an id or a mesh), INVALID_VALUE (flags, an id that comes twice,
- * two kinds of transforms), NOT_FINITE, INVALID_MATRIX (a transform that is not affine), OUT_OF_MEMORY, DEVICE_LOST.
+ * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_HANDLE (an id or a mesh; an id that is removed twice), INVALID_VALUE
+ * (flags, two kinds of transforms), NOT_FINITE, INVALID_MATRIX (a transform that is not affine), OUT_OF_MEMORY, DEVICE_LOST.
  * [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_scene_add(csm_scene *scene, const csm_scene_batch *batch);
