@@ -26,12 +26,12 @@ typedef struct fixture {
 
 static csm_alpha_mask_info alpha_mask_info(fixture *f, uint32_t wrap_u, uint32_t wrap_v) {
   return (csm_alpha_mask_info){.struct_size = sizeof(csm_alpha_mask_info),
-                            .width = texels_u,
-                            .height = texels_v,
-                            .wrap_u = wrap_u,
-                            .wrap_v = wrap_v,
-                            .texels = f->texels[0],
-                            .row_stride = sizeof f->texels[0]};
+                               .width = texels_u,
+                               .height = texels_v,
+                               .wrap_u = wrap_u,
+                               .wrap_v = wrap_v,
+                               .texels = f->texels[0],
+                               .row_stride = sizeof f->texels[0]};
 }
 
 static csm_mesh_info leaf_info(const fixture *f, float cutoff) {
@@ -168,7 +168,7 @@ static void the_camera_sees_through(void **state) {
       const double w = support_apply(shot.camera.projection, local, clip);
       const int x = (int)floor((clip[0] / w + 1) / 2 * side), y = (int)floor((1 - clip[1] / w) / 2 * side);
       const double alpha = alpha_mask_at(&f, -1.25 + 3.75 * (point[0] + 4) / 8, -0.5 + 2.25 * (point[2] + 4) / 8,
-                                      CSM_WRAP_REPEAT, CSM_WRAP_MIRROR);
+                                         CSM_WRAP_REPEAT, CSM_WRAP_MIRROR);
       /* A point is up to a pixel from the centre that was sampled: look away from edges. */
       if (fabs(alpha - 0.5) < 0.25 || x < 0 || y < 0 || x >= side || y >= side)
         continue;
