@@ -37,8 +37,8 @@ csm_result context_open(csm_context *context, const csm_create_info *info, opene
   if (result)
     host_fail(host, result, "%s", text);
   else if (wrong_api(info, fresh->library.backend->api))
-    result = host_fail(host, CSM_ERROR_UNSUPPORTED, "csm_create_info: the engine's device is not one of backend %s",
-                       info->backend);
+    result = host_fail(host, CSM_ERROR_UNSUPPORTED, "csm_create_info: backend %s takes no %s", info->backend,
+                       info->vulkan ? "csm_vulkan_device" : "csm_d3d12_device");
   if (!result)
     result = device_open(&(device_open_info){.host = host,
                                              .backend = fresh->library.backend,

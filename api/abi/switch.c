@@ -50,6 +50,7 @@ csm_result CSM_CALL csm_switch_backend(csm_context *context, const csm_create_in
   if (!result)
     result = make_all(context, fresh->device);
   if (result) {
+    assets_stay(&context->assets);
     context_close(context, fresh);
     return create_info_refuse(&info, result, context->host.error);
   }

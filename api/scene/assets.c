@@ -18,6 +18,10 @@ void assets_moved(assets *assets, device *to) {
   meshes_moved(assets);
 }
 
+void assets_stay(assets *assets) {
+  meshes_stay(assets);
+}
+
 void assets_end(assets *assets) {
   while (assets->scenes)
     scene_destroy(assets->scenes);

@@ -14,8 +14,7 @@ typedef struct mesh_table {
   void **copies;
   plan_bounds *bounds; /* as the plan wants them */
   uint32_t *users;     /* instances of scenes */
-  void *moved;         /* the bounds that they have on the device to move to */
-  size_t moved_size;
+  plan_bounds *moved;  /* those that they have on the device to move to; NULL between moves */
 } mesh_table;
 
 typedef struct alpha_mask_table {
@@ -38,8 +37,9 @@ typedef struct assets {
 void assets_begin(assets *assets, host *host, uint64_t key);
 /* Places everything on another device, from copies or what `supply` gives; assets->device stays. */
 csm_result assets_move(assets *assets, device *to);
-/* Takes the device over that assets_move placed everything on last. */
+/* After that: takes the device over, or stays on the old one. */
 void assets_moved(assets *assets, device *to);
+void assets_stay(assets *assets);
 /* Frees what lies in host memory, scenes included. */
 void assets_end(assets *assets);
 
@@ -52,6 +52,7 @@ csm_result mesh_update(assets *assets, csm_mesh mesh, const csm_mesh_update_info
 csm_result mesh_destroy(assets *assets, csm_mesh mesh);
 csm_result meshes_move(assets *assets, device *to);
 void meshes_moved(assets *assets);
+void meshes_stay(assets *assets);
 void meshes_end(assets *assets);
 
 /* ---- alpha_masks.c; likewise ---- */

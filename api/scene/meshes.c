@@ -235,22 +235,28 @@ static csm_result move_mesh(const assets *assets, uint32_t index, device *to, pl
 csm_result meshes_move(assets *assets, device *to) {
   mesh_table *meshes = &assets->meshes;
   const uint32_t count = meshes->handles.count;
-  csm_result result = host_grow(assets->host, &meshes->moved, &meshes->moved_size, count * sizeof(plan_bounds));
+  csm_result result = geometry_reserve(to, meshes->handles.capacity);
   if (!result)
-    result = geometry_reserve(to, meshes->handles.capacity);
-  plan_bounds *bounds = meshes->moved;
+    meshes->moved = host_allocate(assets->host, (count + 1) * sizeof *meshes->moved);
+  if (!result && !meshes->moved)
+    result = CSM_ERROR_OUT_OF_MEMORY;
   for (uint32_t i = 0; i < count && !result; ++i)
     if (handles_live(&meshes->handles, i))
-      result = move_mesh(assets, i, to, &bounds[i]);
+      result = move_mesh(assets, i, to, &meshes->moved[i]);
   return result;
+}
+
+void meshes_stay(assets *assets) {
+  host_release(assets->host, assets->meshes.moved);
+  assets->meshes.moved = NULL;
 }
 
 void meshes_moved(assets *assets) {
   mesh_table *meshes = &assets->meshes;
-  const plan_bounds *bounds = meshes->moved;
   for (uint32_t i = 0; i < meshes->handles.count; ++i)
-    if (handles_live(&meshes->handles, i) && memcmp(&bounds[i], &meshes->bounds[i], sizeof *bounds))
-      change_bounds(assets, i, &bounds[i]);
+    if (handles_live(&meshes->handles, i) && memcmp(&meshes->moved[i], &meshes->bounds[i], sizeof *meshes->bounds) != 0)
+      change_bounds(assets, i, &meshes->moved[i]);
+  meshes_stay(assets);
 }
 
 void meshes_end(assets *assets) {
@@ -263,5 +269,4 @@ void meshes_end(assets *assets) {
   host_release(host, (void *)meshes->copies);
   host_release(host, meshes->bounds);
   host_release(host, meshes->users);
-  host_release(host, meshes->moved);
 }

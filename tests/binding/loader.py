@@ -10,7 +10,7 @@ import sys
 import tempfile
 
 cc, cxx, root, libcsm = shlex.split(sys.argv[1]), shlex.split(sys.argv[2]), pathlib.Path(sys.argv[3]), sys.argv[4]
-names = [line.split()[1] for line in (root / "tests/exports.txt").read_text().splitlines() if line.startswith("libcsm ")]
+names = [line.split()[1] for line in (root / "tests/library/exports.txt").read_text().splitlines() if line.startswith("libcsm ")]
 flags = ["-Wall", "-Wextra", "-pedantic", "-Werror", f"-I{root}/api/include"]
 languages = [(cc, "c", "c11"), (cxx, "c++", "c++17")]
 

@@ -22,14 +22,16 @@ files = {FILE.match(body)[1]: body for _, body in blocks if FILE.match(body)}
 parts = [body for language, body in blocks if language == "c" and not FILE.match(body)]
 
 packages = {"own_device.c": [], "vulkan.c": ["vulkan"], "d3d12.c": ["libvkd3d-utils"]}
-flags = ["-std=c11", "-Wall", "-Wextra", "-Werror", f"-I{root}/api/include"]
+flags = ["-std=c11", "-Wall", "-Wextra", "-Werror", f"-I{root}/api/include", f"-I{root}/shaders/include"]
 PRELUDE = """#include "csm/csm_loader.h"
 #include "csm/csm_d3d12.h"
 #include <stdio.h>
 void renderer_set_matrix(void *renderer, void *command_buffer, const double matrix[16]);
+void check(csm_context *context, csm_result result);
 void renderer_draw_skinned(void *renderer, void *command_buffer, const double planes[5][4]);
 """
-ARGUMENTS = "(csm_create_info create, csm_d3d12_device device, csm_context *context)"
+ARGUMENTS = ("(csm_create_info create, csm_d3d12_device device, csm_context *context, csm_cascades *cascades, "
+             "csm_frame frame, csm_mask_info left_mask, csm_mask_info right_mask, int tile_x, int tile_z)")
 
 
 def run(*command, **options):
@@ -80,7 +82,7 @@ def said(*lines):
 
 for part in parts:
     compile_part(part)
-assert len(parts) == 4 and set(packages) <= set(files), (len(parts), sorted(files))
+assert len(parts) == 6 and set(packages) <= set(files), (len(parts), sorted(files))
 with tempfile.TemporaryDirectory() as scratch:
     folder = pathlib.Path(scratch)
     for name, body in files.items():

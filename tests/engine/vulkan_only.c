@@ -2,7 +2,7 @@
  * vulkan_only.c LIBRARY: what only Vulkan has: a feature that clamps the rasterizer's bias, a device that clips depth,
  * and functions that are asked for by name.
  */
-#include "../gpu_host.h"
+#include "../tools/gpu_host.h"
 #include "gpu.h"
 #include "rig_vulkan.h"
 #include "shader_code.h"

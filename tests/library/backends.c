@@ -101,30 +101,36 @@ static uint32_t length(const char *const *names) {
   return count;
 }
 
-static void enable(VkPhysicalDeviceFeatures *features, const char *name) {
+typedef struct features {
+  VkPhysicalDeviceFeatures core;
+  VkPhysicalDeviceDynamicRenderingFeatures dynamic;
+} features;
+
+static void enable(features *features, const char *name) {
   const struct {
     const char *name;
     VkBool32 *value;
   } known[] = {
-      {"depthClamp", &features->depthClamp},
-      {"depthBiasClamp", &features->depthBiasClamp},
-      {"samplerAnisotropy", &features->samplerAnisotropy},
-      {"fragmentStoresAndAtomics", &features->fragmentStoresAndAtomics},
-      {"shaderStorageImageExtendedFormats", &features->shaderStorageImageExtendedFormats},
+      {"depthClamp", &features->core.depthClamp},
+      {"depthBiasClamp", &features->core.depthBiasClamp},
+      {"samplerAnisotropy", &features->core.samplerAnisotropy},
+      {"fragmentStoresAndAtomics", &features->core.fragmentStoresAndAtomics},
+      {"shaderStorageImageExtendedFormats", &features->core.shaderStorageImageExtendedFormats},
+      {"dynamicRendering", &features->dynamic.dynamicRendering},
   };
   for (size_t i = 0; i < sizeof known / sizeof *known; ++i)
     if (strcmp(known[i].name, name) == 0) {
       *known[i].value = VK_TRUE;
       return;
     }
-  fail_msg("%s is no member of VkPhysicalDeviceFeatures that this test knows", name);
+  fail_msg("%s is no feature that this test knows", name);
 }
 
 typedef struct device {
   VkInstance instance;
   VkPhysicalDevice physical;
   VkDevice handle;
-  VkPhysicalDeviceFeatures features;
+  features features;
 } device;
 
 /* With all that is required but one feature (NULL: all). */
@@ -149,7 +155,7 @@ static void open_device(device *out, const csm_backend_info *info, const char *l
                                      .pQueueCreateInfos = &queue,
                                      .enabledExtensionCount = length(info->required_device_extensions),
                                      .ppEnabledExtensionNames = info->required_device_extensions,
-                                     .pEnabledFeatures = &out->features};
+                                     .pEnabledFeatures = &out->features.core};
   assert_int_equal(vkCreateDevice(out->physical, &create, NULL, &out->handle), VK_SUCCESS);
 }
 
@@ -162,7 +168,7 @@ static csm_result create_on(const device *with, const csm_backend_info *info, ch
                                     .get_instance_proc_addr = vkGetInstanceProcAddr,
                                     .extensions = info->required_device_extensions,
                                     .extension_count = length(info->required_device_extensions),
-                                    .features = &with->features};
+                                    .features = &with->features.core};
   const csm_create_info create = {.struct_size = sizeof create,
                                   .version = CSM_VERSION,
                                   .backend = "vulkan",
@@ -217,7 +223,7 @@ static void extensions_are_of_the_kind_that_they_are_listed_as(void **state) {
   for (const char *const *name = info->optional_device_extensions; *name; ++name)
     assert_false(has_extension(of_instance, instance_count, *name));
   for (const char *const *name = info->optional_features; *name; ++name)
-    enable(&(VkPhysicalDeviceFeatures){0}, *name);
+    enable(&(features){0}, *name);
   vkDestroyDevice(with.handle, NULL);
   vkDestroyInstance(with.instance, NULL);
 }

@@ -28,12 +28,12 @@ MAY_SEE = {
     SHADER_INCLUDES: (),
     "shaders": (SHADER_INCLUDES,),
     "examples": (PUBLIC, SHADER_INCLUDES),
-    "host": (PUBLIC, "host/bench", "host/truth", "host/report"),
-    # These compare with the plan, or draw one without csm.
-    "host/bench": (PUBLIC, SHADER_INCLUDES, "shaders", "api/plan", "host", "host/truth", "host/report"),
-    "host/truth": (PUBLIC, "api/plan", "host"),
-    "host/report": (PUBLIC, "api/plan", "host", "host/bench", "host/truth"),
 }
+# csm-host's own, from the lowest up: each may see those before it.
+HOST = ("base", "scene", "truth", "picture", "setup", "stage", "metrics", "measure", "report", "bench", "view", "app")
+MAY_SEE |= {f"host/{name}": (PUBLIC, *(f"host/{lower}" for lower in HOST[:i])) for i, name in enumerate(HOST)}
+MAY_SEE["host/report"] += ("api/plan",)
+MAY_SEE["host/bench"] += ("api/plan", SHADER_INCLUDES, "shaders")  # it draws a plan without csm
 # What of a layer the others may see, where that is not all of it: its own doors.
 ONLY = {
     ("backends", PUBLIC): {"csm_base.h"},
@@ -142,6 +142,7 @@ PLANTED = [  # a folder, what is included there, and a word of what must be said
     ("host/stage", '"plan/plan.h"', "api/plan"),
     ("host/bench", '"abi/context.h"', "api/abi"),
     ("host/truth", '"gpu.h"', "backends"),
+    ("host/scene", '"stage/stage.h"', "host/stage"),
     ("examples", '"plan/plan.h"', "api/plan"),
     ("examples", '"../host/base/host.h"', "host/base/host.h"),
 ]

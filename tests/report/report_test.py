@@ -7,7 +7,6 @@ import subprocess
 import sys
 import tempfile
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..'))
 from tiny_gltf import box, quad, write_gltf
 
 host, backends = sys.argv[1], sys.argv[2:]

@@ -1,7 +1,6 @@
 """csm-host measure, end to end: python3 measure_test.py CSM_HOST BACKEND"""
 import json, math, os, subprocess, sys, tempfile
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), '..'))
 from tiny_gltf import box, quad, write_gltf
 
 host, backend = sys.argv[1:3]

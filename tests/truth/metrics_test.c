@@ -1,7 +1,7 @@
 /* metrics_test.c: the metrics on masks whose figures are known. */
+#include "base/json_source.h"
+#include "metrics/flicker.h"
 #include "support.h"
-#include "flicker.h"
-#include "json_source.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

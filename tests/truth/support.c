@@ -1,5 +1,5 @@
+#include "base/linear.h"
 #include "support.h"
-#include "linear.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -2,8 +2,8 @@
 #ifndef TRUTH_SUPPORT_H
 #define TRUTH_SUPPORT_H
 
-#include "metrics.h"
-#include "truth.h"
+#include "metrics/metrics.h"
+#include "truth/truth.h"
 
 /* Adds a mesh of `count` triangles (nine floats each) in one instance, moved by `offset`. Returns the mesh. */
 scene_mesh *add_triangles(scene *s, const float (*corners)[9], uint32_t count, const double offset[3]);

@@ -1,9 +1,9 @@
 /* truth_test.c: the truth against closed forms, and against brute force in doubles. */
+#include "base/linear.h"
 #include "support.h"
-#include "linear.h"
-#include "truth_geometry.h"
-#include "truth_store.h"
-#include "truth_sun.h"
+#include "truth/geometry.h"
+#include "truth/store.h"
+#include "truth/sun_disc.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -396,19 +396,19 @@ static void mirrored_instances_face_right(void **state) {
 static void alpha_mask_is_bilinear_and_wraps(void **state) {
   (void)state;
   uint8_t alpha[] = {0, 255, 51, 102};
-  scene_alpha_mask o = {.alpha = alpha, .width = 2, .height = 2, .factor = 0.5};
+  scene_alpha_mask o = {.alpha = alpha, .width = 2, .height = 2};
   assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){0.25, 0.25}) - 0.0) < 1e-12);
-  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){0.75, 0.25}) - 0.5) < 1e-12);
-  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){0.25, 0.75}) - 0.1) < 1e-12);
-  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){0.5, 0.5}) - 0.2) < 1e-12);
+  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){0.75, 0.25}) - 1.0) < 1e-12);
+  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){0.25, 0.75}) - 0.2) < 1e-12);
+  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){0.5, 0.5}) - 0.4) < 1e-12);
   /* at the left border, between the last column and the first */
-  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){0.0, 0.25}) - 0.25) < 1e-12);
-  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){-2.25, 3.25}) - 0.5) < 1e-12);
+  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){0.0, 0.25}) - 0.5) < 1e-12);
+  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){-2.25, 3.25}) - 1.0) < 1e-12);
   o.wrap[0] = SCENE_WRAP_CLAMP;
   assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){-3.0, 0.25}) - 0.0) < 1e-12);
-  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){7.0, 0.25}) - 0.5) < 1e-12);
+  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){7.0, 0.25}) - 1.0) < 1e-12);
   o.wrap[0] = SCENE_WRAP_MIRROR;
-  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){1.25, 0.25}) - 0.5) < 1e-12);
+  assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){1.25, 0.25}) - 1.0) < 1e-12);
   assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){-0.25, 0.25}) - 0.0) < 1e-12);
 }
 
@@ -420,7 +420,7 @@ static void cut_out_leaf_casts_what_is_left(void **state) {
   scene s = {0};
   add_quad(&s, ground, nowhere);
   scene_material material = {.alpha_tested = true};
-  material.alpha_mask = (scene_alpha_mask){.alpha = malloc(4 * 4), .width = 4, .height = 4, .factor = 1.0, .cutoff = 0.5};
+  material.alpha_mask = (scene_alpha_mask){.alpha = malloc(4 * 4), .width = 4, .height = 4, .cutoff = 0.5};
   material.alpha_mask.wrap[0] = material.alpha_mask.wrap[1] = SCENE_WRAP_CLAMP;
   for (int i = 0; i < 16; i++)
     material.alpha_mask.alpha[i] = i % 4 < 2 ? 255 : 0;

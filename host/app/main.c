@@ -1,0 +1,53 @@
+/* main.c: csm-host: scenes, both backends side by side, measurements and pictures. */
+#include "app/run.h"
+#include "bench/bench.h"
+#include "measure/measure.h"
+#include "report/preset_table.h"
+#include "report/report.h"
+#include "setup/config_json.h"
+#include "setup/options.h"
+#include "setup/output.h"
+#include "setup/presets.h"
+#include "view/view.h"
+#include <math.h>
+
+/* What a configuration leaves to the scene is not told, so that a file made of this leaves it as well. */
+static int config_command(const host_options *options) {
+  csm_config config;
+  if (!options->preset && !options->config_file)
+    return output_json_to_stdout(config_describe_json());
+  const int code = config_load(&config, options->preset, options->config_file, NAN);
+  if (code)
+    return code;
+  json_t *object = config_to_json(&config);
+  if (isnan(config.shadow_distance))
+    json_object_del(object, "shadow_distance");
+  return output_json_to_stdout(object);
+}
+
+int main(int count, char **arguments) {
+  host_options options;
+  const int code = options_parse(&options, count, arguments);
+  if (code)
+    return code;
+  switch (options.command) {
+  case COMMAND_HELP:
+    options_print_help(stdout);
+    return 0;
+  case COMMAND_CONFIG:
+    return config_command(&options);
+  case COMMAND_PRESETS:
+    return output_json_to_stdout(presets_to_json());
+  case COMMAND_RUN:
+    return run_command(&options);
+  case COMMAND_MEASURE:
+    return options.preset_count ? preset_table_command(&options) : measure_command(&options);
+  case COMMAND_BENCH:
+    return bench_command(&options);
+  case COMMAND_REPORT:
+    return report_command(&options);
+  case COMMAND_VIEW:
+    return view_command(&options);
+  }
+  return 0;
+}

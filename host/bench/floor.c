@@ -1,0 +1,245 @@
+#include "bench/floor.h"
+#include "base/host.h"
+#include "bench/floor_casters.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct floor_loop {
+  floor_info info;
+  vulkan_device vulkan;
+  VkDevice device; /* of it */
+  vulkan_commands commands;
+  floor_casters casters;
+  VkBuffer matrices;
+  VkDeviceMemory matrices_memory, maps_memory;
+  VkDeviceSize matrices_offsets[CSM_MAX_CASCADES];
+  VkImage maps;
+  VkImageView views[CSM_MAX_CASCADES];
+  VkFramebuffer framebuffers[CSM_MAX_CASCADES];
+  VkRenderPass pass;
+};
+
+/* ---- making it ---- */
+
+static VkResult upload_matrices(floor_loop *loop) {
+  const plan_frame *frame = loop->info.frame;
+  VkDeviceSize size = 0;
+  for (uint32_t i = 0; i < frame->cascade_count; ++i) {
+    loop->matrices_offsets[i] = size;
+    size += (VkDeviceSize)frame->cascades[i].list.instance_count * floor_matrix_bytes;
+  }
+  void *mapped;
+  const VkResult result = vulkan_buffer(&loop->vulkan, size, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, &loop->matrices,
+                                        &loop->matrices_memory, &mapped);
+  for (uint32_t i = 0; i < frame->cascade_count && !result; ++i)
+    plan_write_cascade_matrices((float *)((char *)mapped + loop->matrices_offsets[i]), frame, i, loop->info.plan_scene);
+  return result;
+}
+
+static VkResult make_maps(floor_loop *loop) {
+  const VkImageCreateInfo info = {
+      .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+      .imageType = VK_IMAGE_TYPE_2D,
+      .format = VK_FORMAT_D32_SFLOAT,
+      .extent = {loop->info.resolution, loop->info.resolution, 1},
+      .mipLevels = 1,
+      .arrayLayers = loop->info.frame->cascade_count,
+      .samples = VK_SAMPLE_COUNT_1_BIT,
+      .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
+               VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+  };
+  return vulkan_image(&loop->vulkan, &info, &loop->maps, &loop->maps_memory);
+}
+
+static VkResult make_pass(floor_loop *loop) {
+  const VkAttachmentDescription attachment = {
+      .format = VK_FORMAT_D32_SFLOAT,
+      .samples = VK_SAMPLE_COUNT_1_BIT,
+      .loadOp = VK_ATTACHMENT_LOAD_OP_LOAD,
+      .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
+      .stencilLoadOp = VK_ATTACHMENT_LOAD_OP_DONT_CARE,
+      .stencilStoreOp = VK_ATTACHMENT_STORE_OP_DONT_CARE,
+      .initialLayout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
+      .finalLayout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
+  };
+  const VkAttachmentReference depth = {.layout = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
+  const VkSubpassDescription subpass = {.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS,
+                                        .pDepthStencilAttachment = &depth};
+  const VkRenderPassCreateInfo info = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO,
+                                       .attachmentCount = 1,
+                                       .pAttachments = &attachment,
+                                       .subpassCount = 1,
+                                       .pSubpasses = &subpass};
+  return vkCreateRenderPass(loop->device, &info, NULL, &loop->pass);
+}
+
+static VkResult make_framebuffer(floor_loop *loop, uint32_t layer) {
+  const VkImageViewCreateInfo view = {
+      .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+      .image = loop->maps,
+      .viewType = VK_IMAGE_VIEW_TYPE_2D,
+      .format = VK_FORMAT_D32_SFLOAT,
+      .subresourceRange = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 1, layer, 1},
+  };
+  const VkResult result = vkCreateImageView(loop->device, &view, NULL, &loop->views[layer]);
+  const VkFramebufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
+                                        .renderPass = loop->pass,
+                                        .attachmentCount = 1,
+                                        .pAttachments = &loop->views[layer],
+                                        .width = loop->info.resolution,
+                                        .height = loop->info.resolution,
+                                        .layers = 1};
+  return result ? result : vkCreateFramebuffer(loop->device, &info, NULL, &loop->framebuffers[layer]);
+}
+
+int floor_open(floor_loop **out, const floor_info *info, char *error, size_t error_size) {
+  *out = NULL;
+  floor_loop *loop = calloc(1, sizeof *loop);
+  if (!loop)
+    return HOST_NO_DEVICE;
+  loop->info = *info;
+  VkResult result = vulkan_device_open(&loop->vulkan, info->device);
+  loop->device = loop->vulkan.device;
+  if (!result)
+    result = vulkan_commands_open(&loop->commands, &loop->vulkan);
+  if (!result)
+    result = floor_casters_open(&loop->casters, &loop->commands, info->scene, info->plan_scene->meshes);
+  if (!result)
+    result = upload_matrices(loop);
+  if (!result)
+    result = make_maps(loop);
+  if (!result)
+    result = make_pass(loop);
+  for (uint32_t i = 0; i < info->frame->cascade_count && !result; ++i)
+    result = make_framebuffer(loop, i);
+  if (!result)
+    result = floor_casters_make_pipelines(&loop->casters, loop->pass, info->resolution);
+  if (result) {
+    snprintf(error, error_size, "the bare Vulkan loop: %s (VkResult %d)", vulkan_reason(result), (int)result);
+    floor_close(loop);
+    return HOST_NO_DEVICE;
+  }
+  *out = loop;
+  return 0;
+}
+
+/* ---- a frame ---- */
+
+enum { depth_tests = VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT };
+static const vulkan_use drawn = {VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL, depth_tests,
+                                 VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT |
+                                     VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT};
+
+static void record_clear(const floor_loop *loop) {
+  static const vulkan_use before = {VK_IMAGE_LAYOUT_UNDEFINED, depth_tests, 0};
+  static const vulkan_use cleared = {VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_TRANSFER_BIT,
+                                     VK_ACCESS_TRANSFER_WRITE_BIT};
+  const VkImageSubresourceRange all = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 1, 0, VK_REMAINING_ARRAY_LAYERS};
+  const VkClearDepthStencilValue far = {.depth = 1};
+  const VkCommandBuffer commands = loop->commands.buffer;
+  vulkan_transition(commands, loop->maps, VK_IMAGE_ASPECT_DEPTH_BIT, before, cleared);
+  vkCmdClearDepthStencilImage(commands, loop->maps, cleared.layout, &far, 1, &all);
+  vulkan_transition(commands, loop->maps, VK_IMAGE_ASPECT_DEPTH_BIT, cleared, drawn);
+}
+
+static void record_draws(const floor_loop *loop, uint32_t cascade) {
+  const VkCommandBuffer commands = loop->commands.buffer;
+  const plan_list *list = &loop->info.frame->cascades[cascade].list;
+  const floor_casters *casters = &loop->casters;
+  VkPipeline current = VK_NULL_HANDLE;
+  for (uint32_t i = 0; i < list->draw_count; ++i) {
+    const plan_draw *draw = &list->draws[i];
+    const floor_mesh *mesh = &casters->meshes[draw->mesh];
+    const bool cut_out = mesh->cut_out != VK_NULL_HANDLE;
+    const VkPipeline pipeline = casters->pipelines[cut_out][floor_cull(mesh, draw->mirrored)];
+    const VkBuffer buffers[] = {casters->geometry.buffer, loop->matrices, casters->geometry.buffer};
+    const VkDeviceSize first = (VkDeviceSize)draw->first * floor_matrix_bytes;
+    const VkDeviceSize offsets[] = {mesh->vertices, loop->matrices_offsets[cascade] + first, mesh->uvs};
+    if (pipeline != current)
+      vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
+    current = pipeline;
+    if (cut_out)
+      vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, casters->layout, 0, 1, &mesh->cut_out, 0,
+                              NULL);
+    vkCmdBindVertexBuffers(commands, 0, cut_out ? 3 : 2, buffers, offsets);
+    vkCmdBindIndexBuffer(commands, buffers[0], mesh->indices, mesh->index_type);
+    vkCmdDrawIndexed(commands, mesh->index_count, draw->count, 0, 0, 0);
+  }
+}
+
+static void record_cascade(const floor_loop *loop, uint32_t cascade) {
+  const VkRenderPassBeginInfo begin = {
+      .sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
+      .renderPass = loop->pass,
+      .framebuffer = loop->framebuffers[cascade],
+      .renderArea = {{0, 0}, {loop->info.resolution, loop->info.resolution}},
+  };
+  vkCmdBeginRenderPass(loop->commands.buffer, &begin, VK_SUBPASS_CONTENTS_INLINE);
+  record_draws(loop, cascade);
+  vkCmdEndRenderPass(loop->commands.buffer);
+}
+
+double floor_frame(floor_loop *loop) {
+  const double start_ms = host_now_ms();
+  if (vulkan_commands_begin(&loop->commands))
+    return -1;
+  record_clear(loop);
+  for (uint32_t i = 0; i < loop->info.frame->cascade_count; ++i)
+    record_cascade(loop, i);
+  return vulkan_commands_finish(&loop->commands) ? -1 : host_now_ms() - start_ms;
+}
+
+double floor_gpu_ms(const floor_loop *loop) {
+  return vulkan_commands_ms(&loop->commands);
+}
+
+bool floor_read(floor_loop *loop, uint32_t cascade, float *out) {
+  static const vulkan_use copied = {VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, VK_PIPELINE_STAGE_TRANSFER_BIT,
+                                    VK_ACCESS_TRANSFER_READ_BIT};
+  const uint32_t side = loop->info.resolution;
+  const VkDeviceSize size = (VkDeviceSize)side * side * sizeof *out;
+  const VkBufferImageCopy region = {.imageSubresource = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, cascade, 1},
+                                    .imageExtent = {side, side, 1}};
+  VkBuffer buffer = VK_NULL_HANDLE;
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+  void *mapped;
+  VkResult result = vulkan_buffer(&loop->vulkan, size, VK_BUFFER_USAGE_TRANSFER_DST_BIT, &buffer, &memory, &mapped);
+  if (!result)
+    result = vulkan_commands_begin(&loop->commands);
+  if (!result) {
+    vulkan_transition(loop->commands.buffer, loop->maps, VK_IMAGE_ASPECT_DEPTH_BIT, drawn, copied);
+    vkCmdCopyImageToBuffer(loop->commands.buffer, loop->maps, copied.layout, buffer, 1, &region);
+    vulkan_transition(loop->commands.buffer, loop->maps, VK_IMAGE_ASPECT_DEPTH_BIT, copied, drawn);
+    result = vulkan_commands_finish(&loop->commands);
+  }
+  if (!result)
+    memcpy(out, mapped, size);
+  vkDestroyBuffer(loop->device, buffer, NULL);
+  vkFreeMemory(loop->device, memory, NULL);
+  return !result;
+}
+
+static void destroy_objects(floor_loop *loop) {
+  vkDeviceWaitIdle(loop->device);
+  floor_casters_close(&loop->casters);
+  vulkan_commands_close(&loop->commands);
+  for (int i = 0; i < CSM_MAX_CASCADES; ++i) {
+    vkDestroyFramebuffer(loop->device, loop->framebuffers[i], NULL);
+    vkDestroyImageView(loop->device, loop->views[i], NULL);
+  }
+  vkDestroyRenderPass(loop->device, loop->pass, NULL);
+  vkDestroyImage(loop->device, loop->maps, NULL);
+  vkDestroyBuffer(loop->device, loop->matrices, NULL);
+  vkFreeMemory(loop->device, loop->maps_memory, NULL);
+  vkFreeMemory(loop->device, loop->matrices_memory, NULL);
+}
+
+void floor_close(floor_loop *loop) {
+  if (!loop)
+    return;
+  if (loop->device)
+    destroy_objects(loop);
+  vulkan_device_close(&loop->vulkan);
+  free(loop);
+}

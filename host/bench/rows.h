@@ -1,0 +1,64 @@
+/* bench/rows.h: configurations timed in turn with one that they are compared with, on each backend. */
+#ifndef HOST_BENCH_ROWS_H
+#define HOST_BENCH_ROWS_H
+
+#include "base/statistics.h"
+#include "stage/stage.h"
+
+enum { bench_most_rows = 24 };
+
+typedef struct bench_row {
+  const char *name;
+  csm_config config;
+  double most_floors; /* at most so many times the floor; 0: nothing is asked */
+} bench_row;
+
+/* What is to be timed. */
+typedef struct bench_table {
+  const char *name, *about;
+  bool maps; /* the maps' passes are timed; else the mask's alone */
+  bench_row base;
+  bench_row rows[bench_most_rows];
+  uint32_t count;
+} bench_table;
+
+/* What single taps and the default cost, against the least that a mask may take. */
+void bench_table_floors(bench_table *out, const csm_config *config);
+/* Every filter, against one tap. */
+void bench_table_filters(bench_table *out, const csm_config *config);
+/* Selecting, blending, and looking at what the camera sees, against the configuration without. */
+void bench_table_modes(bench_table *out, const csm_config *config);
+/* Every way to lay out, fit and draw maps, against the configuration without. */
+void bench_table_maps(bench_table *out, const csm_config *config);
+
+/* The least that such a pass may take: draws it once, and gives its milliseconds on the GPU, or a negative number. */
+typedef struct bench_floor {
+  double (*draw)(void *user); /* NULL: there is none */
+  void *user;
+} bench_floor;
+
+typedef struct bench_result {
+  const char *row, *backend;
+  estimate ms, to_base, to_floor;
+  estimate to_first; /* the first stage's of the same row */
+  double most_floors;
+} bench_result;
+
+typedef struct bench_rows {
+  bench_table table;
+  uint32_t pairs;
+  bool has_floor;
+  bench_result results[(bench_most_rows + 6) * HOST_BACKENDS]; /* the base's of each group of rows first */
+  uint32_t count;
+} bench_rows;
+
+/*
+ * Times a table's rows on each stage, in groups: in every round of a group the floor, the base and each row are drawn
+ * once, one after the other, and a ratio is of two from one round. 0, or a code after a message.
+ */
+int bench_rows_run(bench_rows *out, const bench_table *table, stage *stages, uint32_t stage_count, bench_floor floor,
+                   uint32_t pairs);
+void bench_rows_print(FILE *to, const bench_rows *rows);
+json_t *bench_rows_to_json(const bench_rows *rows);
+
+#endif

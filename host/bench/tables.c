@@ -1,0 +1,128 @@
+/* bench_tables.c: which configurations are timed. */
+#include "bench/rows.h"
+
+static csm_config *add(bench_table *table, const char *name) {
+  bench_row *row = &table->rows[table->count++];
+  *row = (bench_row){.name = name, .config = table->base.config};
+  return &row->config;
+}
+
+static void add_filter(bench_table *table, const char *name, uint32_t filter) {
+  add(table, name)->filter = filter;
+}
+
+static void add_weights(bench_table *table, const char *name, uint32_t filter, uint32_t weights) {
+  csm_config *config = add(table, name);
+  config->filter = filter;
+  config->filter_weights = weights;
+}
+
+static void add_early(bench_table *table, const char *name, uint32_t filter) {
+  csm_config *config = add(table, name);
+  config->filter = filter;
+  config->filter_early_out = 1;
+  config->filter_taps = 9;
+}
+
+void bench_table_floors(bench_table *out, const csm_config *config) {
+  *out = (bench_table){.name = "floors",
+                       .about = "the mask's pass alone, to one tap and to a bare pass that rebuilds positions",
+                       .base = {.name = "nearest", .config = *config, .most_floors = 2.5}};
+  out->base.config.filter = CSM_FILTER_NEAREST;
+  out->base.config.filter_weights = CSM_WEIGHTS_UNIFORM;
+  out->base.config.filter_early_out = 0;
+  add_filter(out, "pcf_3x3", CSM_FILTER_PCF_3X3);
+  out->rows[0].most_floors = 3.5;
+}
+
+void bench_table_filters(bench_table *out, const csm_config *config) {
+  *out = (bench_table){.name = "filters",
+                       .about = "the mask's pass alone, to one tap and to a bare pass that rebuilds positions",
+                       .base = {.name = "nearest", .config = *config}};
+  out->base.config.filter = CSM_FILTER_NEAREST;
+  out->base.config.filter_weights = CSM_WEIGHTS_UNIFORM;
+  out->base.config.filter_early_out = 0;
+  csm_config *linear = add(out, "linear_depth");
+  linear->filter = CSM_FILTER_LINEAR_DEPTH;
+  linear->bias_mode = CSM_BIAS_SLOPE; /* one comparison has no plane to place texels on */
+  add_filter(out, "pcf_2x2", CSM_FILTER_PCF_2X2);
+  add_filter(out, "pcf_3x3", CSM_FILTER_PCF_3X3);
+  add_filter(out, "pcf_5x5", CSM_FILTER_PCF_5X5);
+  add_filter(out, "pcf_7x7", CSM_FILTER_PCF_7X7);
+  add_early(out, "pcf_n 9", CSM_FILTER_PCF_N);
+  out->rows[out->count - 1].config.filter_early_out = 0;
+  add_early(out, "pcf_5x5 early", CSM_FILTER_PCF_5X5);
+  add_early(out, "pcf_7x7 early", CSM_FILTER_PCF_7X7);
+  add_early(out, "pcf_n 9 early", CSM_FILTER_PCF_N);
+  add_filter(out, "poisson", CSM_FILTER_POISSON);
+  add_filter(out, "vogel 16", CSM_FILTER_VOGEL);
+  out->rows[out->count - 1].config.filter_taps = 16;
+  add_filter(out, "grid_17", CSM_FILTER_GRID_17);
+  add_weights(out, "pcf_3x3 gaussian", CSM_FILTER_PCF_3X3, CSM_WEIGHTS_GAUSSIAN);
+  add_weights(out, "pcf_5x5 castano", CSM_FILTER_PCF_5X5, CSM_WEIGHTS_CASTANO);
+  add_weights(out, "pcf_7x7 gaussian", CSM_FILTER_PCF_7X7, CSM_WEIGHTS_GAUSSIAN);
+  csm_config *slope = add(out, "pcf_7x7 slope");
+  slope->filter = CSM_FILTER_PCF_7X7;
+  slope->bias_mode = CSM_BIAS_SLOPE;
+}
+
+void bench_table_modes(bench_table *out, const csm_config *config) {
+  *out = (bench_table){.name = "modes",
+                       .about = "the mask's pass with what else it may do, to the configuration without",
+                       .base = {.name = "base", .config = *config}};
+  csm_config *base = &out->base.config;
+  base->depth_samples = CSM_DEPTH_SAMPLES_OFF;
+  base->selection = CSM_SELECT_INTERVAL;
+  base->blend_mode = CSM_BLEND_OFF;
+  add(out, "samples splits")->depth_samples = CSM_DEPTH_SAMPLES_SPLITS;
+  add(out, "samples bounds")->depth_samples = CSM_DEPTH_SAMPLES_BOUNDS;
+  add(out, "selection map")->selection = CSM_SELECT_MAP;
+  add(out, "selection best")->selection = CSM_SELECT_BEST;
+  add(out, "blend linear")->blend_mode = CSM_BLEND_LINEAR;
+  add(out, "blend dithered")->blend_mode = CSM_BLEND_DITHERED;
+  csm_config *both = add(out, "map, blend linear");
+  both->selection = CSM_SELECT_MAP;
+  both->blend_mode = CSM_BLEND_LINEAR;
+  both = add(out, "map, blend dithered");
+  both->selection = CSM_SELECT_MAP;
+  both->blend_mode = CSM_BLEND_DITHERED;
+}
+
+static void add_fits(bench_table *out) {
+  static const char *const fits[] = {"fit minimum_sphere", "fit centroid_sphere", "fit cascade",
+                                     "fit cascade_square", "fit scene",           "fit scene_square"};
+  static const char *const depths[] = {"depth casters", "depth slice", "depth scene", "depth scene_clipped"};
+  for (uint32_t mode = CSM_FIT_CENTROID_SPHERE; mode <= CSM_FIT_SCENE_SQUARE; mode++)
+    add(out, fits[mode])->fit_mode = mode;
+  for (uint32_t mode = CSM_DEPTH_SLICE; mode <= CSM_DEPTH_SCENE_CLIPPED; mode++)
+    add(out, depths[mode])->depth_mode = mode;
+}
+
+void bench_table_maps(bench_table *out, const csm_config *config) {
+  *out = (bench_table){.name = "maps",
+                       .about = "clear and all cascades, to the configuration as it is and to a bare loop",
+                       .maps = true,
+                       .base = {.name = "base", .config = *config}};
+  csm_config *base = &out->base.config;
+  base->map_layout = CSM_LAYOUT_ARRAY;
+  base->map_format = CSM_MAP_D32;
+  base->map_reversed = 0;
+  base->face_culling = CSM_FACE_CULLING_NONE;
+  base->fit_mode = CSM_FIT_MINIMUM_SPHERE;
+  base->depth_mode = CSM_DEPTH_CASTERS;
+  base->pancaking = CSM_PANCAKING_CLAMP;
+  add(out, "atlas")->map_layout = CSM_LAYOUT_ATLAS;
+  add(out, "d16")->map_format = CSM_MAP_D16;
+  add(out, "reversed")->map_reversed = 1;
+  add(out, "cull back")->face_culling = CSM_FACE_CULLING_BACK;
+  add(out, "cull front")->face_culling = CSM_FACE_CULLING_FRONT;
+  csm_config *raster = add(out, "raster bias");
+  raster->polygon_offset_constant = 2.0;
+  raster->polygon_offset_slope = 1.5;
+  csm_config *sides = add(out, "resolutions halved");
+  for (uint32_t i = 1; i < sides->cascade_count; i++)
+    sides->resolutions[i] = sides->resolution >= 32 ? sides->resolution / 2 : sides->resolution;
+  csm_config *clip = add(out, "pancaking clip");
+  clip->pancaking = CSM_PANCAKING_CLIP;
+  add_fits(out);
+}

@@ -1,0 +1,80 @@
+#include "bench/vulkan_device.h"
+#include <string.h>
+
+static VkResult open_instance(vulkan_device *out) {
+  const VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .apiVersion = VK_API_VERSION_1_1};
+  const VkInstanceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, .pApplicationInfo = &application};
+  return vkCreateInstance(&info, NULL, &out->instance);
+}
+
+/* The same order as csm's own: discrete, integrated, virtual, CPU. */
+static int rank_device(const VkPhysicalDeviceProperties *properties, const char *name) {
+  if (name)
+    return strstr(properties->deviceName, name) ? 4 : -1;
+  switch (properties->deviceType) {
+  case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+    return 3;
+  case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+    return 2;
+  case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+    return 1;
+  default:
+    return 0;
+  }
+}
+
+static VkResult choose_device(vulkan_device *out, const char *name) {
+  VkPhysicalDevice devices[16];
+  uint32_t count = sizeof devices / sizeof devices[0];
+  int best = -1;
+  const VkResult result = vkEnumeratePhysicalDevices(out->instance, &count, devices);
+  if (result < 0)
+    return result;
+  for (uint32_t i = 0; i < count; ++i) {
+    VkPhysicalDeviceProperties properties;
+    vkGetPhysicalDeviceProperties(devices[i], &properties);
+    const int rank = rank_device(&properties, name);
+    if (rank > best) {
+      best = rank;
+      out->physical = devices[i];
+    }
+  }
+  return best < 0 ? VK_ERROR_INITIALIZATION_FAILED : VK_SUCCESS;
+}
+
+static VkResult open_device(vulkan_device *out) {
+  VkQueueFamilyProperties families[16];
+  uint32_t count = sizeof families / sizeof families[0];
+  vkGetPhysicalDeviceQueueFamilyProperties(out->physical, &count, families);
+  while (out->family + 1 < count && !(families[out->family].queueFlags & VK_QUEUE_GRAPHICS_BIT))
+    ++out->family;
+  const float priority = 1;
+  const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                         .queueFamilyIndex = out->family,
+                                         .queueCount = 1,
+                                         .pQueuePriorities = &priority};
+  out->features = (VkPhysicalDeviceFeatures){.depthClamp = VK_TRUE};
+  const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                   .queueCreateInfoCount = 1,
+                                   .pQueueCreateInfos = &queue,
+                                   .pEnabledFeatures = &out->features};
+  const VkResult result = vkCreateDevice(out->physical, &info, NULL, &out->device);
+  if (!result)
+    vkGetDeviceQueue(out->device, out->family, 0, &out->queue);
+  return result;
+}
+
+VkResult vulkan_device_open(vulkan_device *out, const char *name) {
+  *out = (vulkan_device){0};
+  VkResult result = open_instance(out);
+  if (!result)
+    result = choose_device(out, name);
+  return result ? result : open_device(out);
+}
+
+void vulkan_device_close(vulkan_device *device) {
+  if (device->device)
+    vkDestroyDevice(device->device, NULL);
+  if (device->instance)
+    vkDestroyInstance(device->instance, NULL);
+}

@@ -1,0 +1,21 @@
+/* bench/vulkan_device.h: a Vulkan device of the host's own, as an engine has one: for the bare loop, and to lend to csm. */
+#ifndef HOST_VULKAN_DEVICE_H
+#define HOST_VULKAN_DEVICE_H
+
+#include <vulkan/vulkan.h>
+
+typedef struct vulkan_device {
+  VkInstance instance;
+  VkPhysicalDevice physical;
+  VkDevice device;
+  VkPhysicalDeviceFeatures features; /* that are enabled */
+  uint32_t family;                   /* of graphics */
+  VkQueue queue;
+} vulkan_device;
+
+/* Opens the device whose name holds `name`, or the first discrete, integrated, virtual, CPU one if that is NULL: Vulkan
+   1.1 and depth clamp, nothing else. vulkan_device_close is allowed after an error, too. */
+VkResult vulkan_device_open(vulkan_device *out, const char *name);
+void vulkan_device_close(vulkan_device *device);
+
+#endif

@@ -1,0 +1,41 @@
+/* picture/picture.h: pictures that a person understands at once. */
+#ifndef HOST_PICTURE_H
+#define HOST_PICTURE_H
+
+#include "base/image.h"
+#include "csm/csm.h"
+#include "picture/trace.h"
+#include "scene/scene.h"
+
+/* What one camera sees, ready to be shaded. */
+typedef struct picture_view {
+  const scene *scene;
+  const scene_light *light;
+  const camera *camera; /* that the surfaces were found from */
+  uint32_t width, height;
+  const trace_surface *surfaces; /* top row first */
+} picture_view;
+
+/* The scene in sun and sky; `mask` (visibility, top row first) decides where the sun comes through. */
+void picture_lit(image *out, const picture_view *view, const float *mask);
+/* Linear, of each cascade, in every picture. */
+extern const float picture_cascade_colors[CSM_MAX_CASCADES][3];
+/* The same, each pixel in its cascade's colour, which `cascades` holds as CSM_SHOW_CASCADE gives it; grey where there
+ * is none. */
+void picture_cascades(image *out, const picture_view *view, const float *mask, const float *cascades);
+/* Texels for each pixel, as CSM_SHOW_DENSITY gives them: white is one, blue fewer, to an eighth, red more, to eight;
+ * dark where there are none. */
+void picture_density(image *out, const picture_view *view, const float *density);
+/* Visibility: white lit, black shadowed; the sky is blue. */
+void picture_mask(image *out, const picture_view *view, const float *mask);
+/* Depth maps side by side, nearest the light brightest, each stretched to its own range; texels without a caster are
+ * blue. */
+void picture_maps(image *out, const float *const *maps, uint32_t count, const uint32_t *resolutions, bool reversed);
+
+/*
+ * The scene in grey with every differing pixel as a red cross, in a red frame; without any, in a green frame.
+ */
+void picture_difference(image *out, const picture_view *view, const float *mask_a, const float *mask_b,
+                        float tolerance);
+
+#endif

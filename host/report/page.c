@@ -1,0 +1,60 @@
+#include "report/page.h"
+#include "base/host.h"
+#include "report/report_template.h"
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PATH_SIZE 4096
+
+/* Inside a script element nothing may look like its end, so "<" is written as an escape; JSON has it in texts alone. */
+static int write_escaped(const char *data, size_t size, void *file) {
+  for (size_t begun = 0; begun < size;) {
+    const char *found = memchr(data + begun, '<', size - begun);
+    const size_t end = found ? (size_t)(found - data) : size;
+    if (fwrite(data + begun, 1, end - begun, file) != end - begun || (found && fputs("\\u003c", file) < 0))
+      return -1;
+    begun = end + (found != NULL);
+  }
+  return 0;
+}
+
+/* The template, with the data where it says so. */
+static int write_page(FILE *file, const json_t *data) {
+  static const char mark[] = "@DATA@";
+  const char *at = strstr(report_template, mark);
+  const size_t before = (size_t)(at - report_template);
+  if (fwrite(report_template, 1, before, file) != before ||
+      json_dump_callback(data, write_escaped, file, JSON_COMPACT | JSON_REAL_PRECISION(5)) != 0)
+    return -1;
+  return fputs(at + sizeof mark - 1, file) < 0 ? -1 : 0;
+}
+
+static int write_json(FILE *file, const json_t *data) {
+  return json_dumpf(data, file, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) != 0 || fputc('\n', file) == EOF ? -1 : 0;
+}
+
+static int write_file(const char *folder, const char *name, int (*write)(FILE *, const json_t *), const json_t *data) {
+  char path[PATH_SIZE], partial[PATH_SIZE + 16];
+  if ((size_t)snprintf(path, sizeof path, "%s/%s", folder, name) >= sizeof path)
+    return host_fail(HOST_BAD_INPUT, "--out: the folder's name is too long");
+  snprintf(partial, sizeof partial, "%s.part", path);
+  FILE *file = fopen(partial, "wb");
+  if (!file)
+    return host_fail(HOST_BAD_INPUT, "--out: cannot write '%s': %s", path, strerror(errno));
+  const int failed = write(file, data);
+  if (fclose(file) != 0 || failed || rename(partial, path) != 0) {
+    remove(partial);
+    return host_fail(HOST_BAD_INPUT, "--out: cannot write '%s': %s", path, strerror(errno));
+  }
+  return 0;
+}
+
+int report_page_write(const char *folder, const json_t *data) {
+  return write_file(folder, "report.html", write_page, data);
+}
+
+int report_json_write(const char *folder, const json_t *data) {
+  return write_file(folder, "report.json", write_json, data);
+}

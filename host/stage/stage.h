@@ -1,0 +1,101 @@
+/* stage/stage.h: one backend with a scene on it, and what it draws. */
+#ifndef HOST_STAGE_H
+#define HOST_STAGE_H
+
+#include "csm/csm.h"
+#include "setup/options.h"
+#include "stage/assets.h"
+
+/* Must not move once it is open. */
+typedef struct stage {
+  const char *backend;
+  char device[256], driver[256];
+  const host_setup *setup;
+  csm_context *context;
+  csm_scene *scene;
+  csm_cascades *cascades;
+  csm_view *view;
+  assets assets;
+  csm_instance_id *instances; /* by the scene's instance */
+  csm_camera camera;
+  csm_light light;
+  csm_frame frame; /* of the three above */
+} stage;
+
+enum { STAGE_VIEWS = 2 }; /* CSM_SHOW_CASCADE and CSM_SHOW_DENSITY, less 1 */
+
+/* What drawing took, in milliseconds, and how much of it there was. */
+typedef struct stage_stats {
+  csm_stats maps;
+  csm_view_stats mask;
+} stage_stats;
+
+/* What one frame left behind, in host memory. */
+typedef struct stage_frame {
+  csm_binding binding;
+  stage_stats stats;
+  float *maps[CSM_MAX_CASCADES]; /* stage_map_texels each, top row first */
+  float *mask, *camera_depth;    /* width * height, top row first */
+  float *views[STAGE_VIEWS];     /* likewise; NULL: not asked for */
+  uint8_t *casters;              /* by instance, as csm_get_casters tells; with the views */
+} stage_frame;
+
+/* Opens a device. 0, HOST_NO_DEVICE or HOST_BAD_INPUT after a message; stage_close is always allowed. */
+int stage_open(stage *out, const char *backend, const char *device);
+void stage_close(stage *s);
+
+/* Uploads the scene and makes the cascades. `setup` must live as long as the stage. 0, or a code after a message. */
+int stage_load(stage *s, const host_setup *setup);
+
+/* Moves to another backend; *ms gets what that took. 0, or a code after a message: the old one draws on then. */
+int stage_switch(stage *s, const char *backend, const char *device, double *ms);
+
+/* Changes the settings. 0, or a code after a message: the old ones hold then. */
+int stage_configure(stage *s, const csm_config *config);
+
+/* A camera and a light as csm takes them. */
+csm_camera stage_camera(const camera *from);
+csm_light stage_light(const scene_light *from);
+
+/* Where the frames that follow are seen from. */
+void stage_look(stage *s, const camera *from);
+
+/* Draws the cascades once and waits. 0, or a code after a message. */
+int stage_render(stage *s);
+
+/* Draws the cascades and the mask with timestamps, and waits. 0, or a code after a message. */
+int stage_draw(stage *s, stage_stats *stats);
+
+/* Reads back what was drawn, all but its stats; the maps only if they are wanted. 0, or a code after a message;
+ * stage_frame_free is always allowed. */
+int stage_read(stage *s, bool maps, stage_frame *out);
+
+/* Adds the views of what was drawn and read, and its casters. The mask on the device is a view afterwards. 0, or a code
+ * after a message. */
+int stage_read_views(stage *s, stage_frame *out);
+
+/* Draws the cascades for a camera and a light. 0, or a code after a message. */
+int stage_draw_from(stage *s, const camera *from, const scene_light *light);
+/*
+ * Resolves the mask of what a camera sees, and reads it back. The maps are those that were drawn last, maybe for another
+ * camera. camera_depth and cascades, which gets CSM_SHOW_CASCADE, may be NULL. All hold width * height pixels. 0, or a
+ * code after a message.
+ */
+int stage_mask(stage *s, const camera *from, float *mask, float *camera_depth, float *cascades);
+
+/*
+ * Draws the cascades and the mask with timestamps, after a frame that warms up; GPU times are the medians of three.
+ * Reads everything back. 0, or a code after a message; stage_frame_free is always allowed.
+ */
+int stage_capture(stage *s, stage_frame *out);
+void stage_frame_free(stage_frame *frame);
+
+/* Texels of a cascade's map. */
+size_t stage_map_texels(const stage_frame *frame, uint32_t cascade);
+
+/* Milliseconds on the GPU: the clear and every cascade; the mask alone; the mask and the depth that it was drawn from. */
+double stage_maps_ms(const stage_stats *stats);
+double stage_mask_ms(const stage_stats *stats);
+double stage_view_ms(const stage_stats *stats);
+
+#endif

@@ -1,9 +1,0 @@
-/* view_none.c: a host that was built without SDL2. */
-#include "host.h"
-#include "view.h"
-
-int view_command(const host_options *options) {
-  (void)options;
-  return host_fail(HOST_BAD_INPUT,
-                   "view: this csm-host was built without SDL2; install libsdl2-dev and build it again");
-}
