@@ -47,10 +47,8 @@ enum { EYES = 3 };
 static void make_eyes(fixture *f, eye eyes[EYES]) {
   static const uint32_t sizes[EYES][2] = {{160, 100}, {160, 100}, {33, 57}};
   for (int i = 0; i < EYES; ++i) {
-    eyes[i] = (eye){.view = support_view(f->context),
-                    .shot = f->scene.shot,
-                    .width = sizes[i][0],
-                    .height = sizes[i][1]};
+    eyes[i] =
+        (eye){.view = support_view(f->context), .shot = f->scene.shot, .width = sizes[i][0], .height = sizes[i][1]};
     eyes[i].shot.frame.instances = f->scene.instances;
   }
   eyes[1].shot.camera.view[12] -= 0.064;
@@ -316,12 +314,9 @@ static void a_switch_keeps_depth_samples(void **state) {
 
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(views_do_not_disturb_each_other),
-      cmocka_unit_test(a_view_may_change_its_cascades),
-      cmocka_unit_test(views_may_go_at_any_time),
-      cmocka_unit_test(a_switch_takes_views_along),
-      cmocka_unit_test(cascades_fit_what_all_views_saw),
-      cmocka_unit_test(a_failed_resolve_keeps_depth_samples),
+      cmocka_unit_test(views_do_not_disturb_each_other), cmocka_unit_test(a_view_may_change_its_cascades),
+      cmocka_unit_test(views_may_go_at_any_time),        cmocka_unit_test(a_switch_takes_views_along),
+      cmocka_unit_test(cascades_fit_what_all_views_saw), cmocka_unit_test(a_failed_resolve_keeps_depth_samples),
       cmocka_unit_test(a_switch_keeps_depth_samples),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
