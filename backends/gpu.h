@@ -12,13 +12,13 @@
  * Registers, as HLSL has them, all in space 0:
  *   b0 to b1      constants, each at a dynamic offset of an upload buffer
  *   t0 to t7      textures
- *   t8 to t11     buffers that shaders read: StructuredBuffer, ByteAddressBuffer
+ *   t8 to t15     buffers that shaders read: StructuredBuffer, ByteAddressBuffer
  *   u0 to u3      images that shaders write: RWTexture2D, RWTexture2DArray
  *   u4 to u7      buffers that shaders write: RWStructuredBuffer, without a counter
  *   s0 to s3      samplers
  *   ATTRIBUTE0 .. vertex inputs, in order of location
- * Constants and buffers reach every stage, textures and samplers pixel and compute shaders, what is written pixel and
- * compute shaders. In SPIR-V a register's binding is its number plus 0 for b, 16 for t, 32 for u, 48 for s.
+ * Every stage sees constants, and buffers that are read. Pixel and compute shaders alone see textures, samplers, and
+ * what is written. In SPIR-V a register's binding is its number plus 0 for b, 16 for t, 32 for u, 48 for s.
  *
  * States. A backend tracks the state of each buffer and of each {layer, level} of an image while it records, in
  * recording order, and puts barriers where the next use needs them:
@@ -120,6 +120,7 @@ typedef struct gpu_capabilities {
   uint32_t formats[GPU_FORMAT_COUNT]; /* GPU_CAN_* */
   uint32_t max_anisotropy;            /* of GPU_SAMPLER_ANISOTROPIC_CLAMP; 1: program_create refuses that sampler */
   uint64_t max_storage_size;          /* bytes of one buffer that shaders see at once */
+  uint32_t max_buffers;               /* that a program reads and writes, together */
   bool compute;                       /* compute programs and dispatches */
   bool indirect;                      /* indirect draws and dispatches */
   bool pixel_stores;                  /* pixel shaders write images and buffers */
@@ -191,6 +192,10 @@ typedef struct gpu_geometry {
   uint64_t vertex_offset, index_offset;
   uint64_t uv_offset; /* in the vertices' buffer */
   uint32_t vertex_stride, uv_stride;
+  /* The front checks uvs by these, since it knows whether they are read: the device's largest stride, and the size of
+     the vertices' buffer in bytes, 0 where the API does not tell. */
+  uint32_t largest_stride;
+  uint64_t vertices_size;
 } gpu_geometry;
 
 /* ---- images ---- */
@@ -323,13 +328,13 @@ typedef struct gpu_raster_bias {
 #define GPU_MAX_ATTRIBUTES 8
 #define GPU_MAX_CONSTANTS 2
 #define GPU_MAX_TEXTURES 8
-#define GPU_MAX_BUFFERS 4
+#define GPU_MAX_BUFFERS 8
 #define GPU_MAX_STORES 4 /* of images, and of buffers */
 #define GPU_MAX_SAMPLERS 4
 #define GPU_FIRST_BUFFER 8       /* t8 */
 #define GPU_FIRST_STORE_BUFFER 4 /* u4 */
 
-/* A program that draws, or one that computes: then it has no streams, attributes and formats. */
+/* A program that draws, or one that computes. The latter has no streams, attributes and formats. */
 typedef struct gpu_program_info {
   const char *name;
   gpu_code vertex;
@@ -500,7 +505,7 @@ typedef struct gpu_backend {
   /* What pass_native will tell of passes over targets of these formats. Errors: those of creation. */
   csm_result (*target_native)(gpu_device *device, gpu_format depth, gpu_format color, gpu_native_target *out);
   /* Also UNSUPPORTED: what gpu_capabilities says that the device cannot (a raster bias with a clamp, anisotropy,
-     compute, stores by a pixel shader). */
+     compute, stores by a pixel shader, so many buffers). */
   csm_result (*program_create)(gpu_device *device, const gpu_program_info *info, gpu_program **out);
   void (*program_destroy)(gpu_device *device, gpu_program *program);
   csm_result (*bindings_create)(gpu_device *device, const gpu_bindings_info *info, gpu_bindings **out);
@@ -543,6 +548,7 @@ typedef struct gpu_backend {
 
   /* ---- passes ---- */
 
+  /* Begins a pass. Up to pass_end nothing else than what stands here is recorded. */
   void (*pass_begin)(gpu_device *device, const gpu_pass_info *info);
   /* Restricts what follows to a part of the pass's area: clip space covers the part, texel row 0 of it at clip y = +1,
      and nothing is drawn outside it. In the target's texels. pass_begin covers the pass's area. */

@@ -1,5 +1,5 @@
 /*
- * gpu_calls.h: the calls of gpu.h as functions, for who has an opened device: gpu_buffer_create(g, ...) is
+ * gpu_calls.h: the calls of gpu.h as functions, for callers with an opened device: gpu_buffer_create(g, ...) is
  * g.api->buffer_create(g.device, ...). What each does stands in gpu.h.
  */
 #ifndef GPU_CALLS_H

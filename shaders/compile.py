@@ -13,7 +13,7 @@ compilers get the same text, whatever their own rules.
 
 A folder with a variants.toml, which says what it means, makes many programs of a source. Their DXBC lies in one file,
 dxbc/archive, in the order of dxbc/MANIFEST; a folder without one has a file each. MANIFEST has a line for each program: its
-name, the SHA-256 of its text with its defines, the SHA-256 of its DXBC, and its bytes.
+name, the SHA-256 of its text with its defines, the SHA-256 of its DXBC, and in an archive its bytes.
 """
 import concurrent.futures
 import hashlib
@@ -222,9 +222,9 @@ def embed(out_c, out_h, glslang, spirv_val, *paths):
 
 
 def read_manifest(root):
-    """Of each program: the hashes of its text and its DXBC, and its bytes."""
+    """Of each program: the hashes of its text and its DXBC, and its bytes in an archive."""
     lines = (line.split() for line in (root / "dxbc/MANIFEST").read_text().splitlines())
-    return {name: (text, blob, int(size)) for name, text, blob, size in lines}
+    return {name: (text, blob, int(*size)) for name, text, blob, *size in lines}
 
 
 def read_dxbc(root):
@@ -254,12 +254,13 @@ def make_dxbc(compiler, root):
         blobs = list(pool.map(lambda program: compile_dxbc(compiler, program, pathlib.Path(scratch)), programs.values()))
     for old in (*folder.glob("*.dxbc"), *folder.glob("archive")):
         old.unlink()
-    if table_of(root):
+    archived = bool(table_of(root))
+    if archived:
         (folder / "archive").write_bytes(b"".join(blobs))
     else:
         for name, blob in zip(programs, blobs):
             (folder / f"{name}.dxbc").write_bytes(blob)
-    lines = (f"{program.name} {digest(program.text().encode())} {digest(blob)} {len(blob)}\n"
+    lines = (f"{program.name} {digest(program.text().encode())} {digest(blob)}{f' {len(blob)}' if archived else ''}\n"
              for program, blob in zip(programs.values(), blobs))
     (folder / "MANIFEST").write_text("".join(lines))
     print(f"{root.name}/dxbc: {len(blobs)} programs, {sum(map(len, blobs))} bytes")

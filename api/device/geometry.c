@@ -94,10 +94,11 @@ static csm_result add_engines(device *device, const csm_mesh_info *info, geometr
   const csm_result result = device_check(device, gpu_geometry_import(device->gpu, native, engine), "an engine's mesh");
   if (result)
     return result;
-  const char *wrong = !info->alpha_mask                                       ? NULL
-                      : engine->uv_stride < uv_bytes || engine->uv_stride % 4 ? "uv_stride"
-                      : engine->uv_offset % 4                                 ? "uv_offset"
-                                                                              : NULL;
+  const bool strides = engine->uv_stride >= uv_bytes && engine->uv_stride % 4 == 0 &&
+                       engine->uv_stride <= engine->largest_stride;
+  const bool begins =
+      engine->uv_offset % 4 == 0 && (!engine->vertices_size || engine->uv_offset < engine->vertices_size);
+  const char *wrong = !info->alpha_mask ? NULL : !strides ? "uv_stride" : !begins ? "uv_offset" : NULL;
   if (wrong)
     return host_fail(device->host, CSM_ERROR_INVALID_VALUE, "the engine's mesh: %s is not allowed", wrong);
   *mesh = (mesh_place){.vertices = engine->vertices,

@@ -15,7 +15,7 @@
  *   the radius, so a camera that turns or moves a little leaves it where it is.
  * - It begins a whole number of steps before that end: 9 of them hold the slice wherever it is within its step, and
  *   the number doubles until the casters before it fit too, up to the configured distance. So it depends on casters,
- *   but seldom changes. What lies before it is clamped to depth 0.
+ *   but seldom changes. What lies before it is clamped to depth 0 (pancaking).
  */
 #define DEPTH_STEPS_PER_RADIUS 4.0
 #define DEPTH_STEPS (2.0 * DEPTH_STEPS_PER_RADIUS + 1.0)

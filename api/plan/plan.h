@@ -271,6 +271,10 @@ typedef struct plan_picture {
    bytes. */
 uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_picture *picture);
 
+/* Whether all maps are layers of one image and of one size. */
+bool plan_maps_alike(const csm_config *config);
+/* Whether the bias is in texels alone, but for a constant share of the depth range. */
+bool plan_bias_in_texels(const csm_config *config);
 /* The text of csm_shader_defines: returns its bytes, the final 0 included, and writes no more than `size` of them. */
 size_t plan_shader_defines(const csm_config *config, char *text, size_t size);
 

@@ -15,6 +15,7 @@ void d3d12_describe_level(gpu_capabilities *out) {
   *out = (gpu_capabilities){
       .max_anisotropy = GPU_MAX_ANISOTROPY,
       .max_storage_size = (uint64_t)4 << 27,
+      .max_buffers = GPU_MAX_BUFFERS + GPU_MAX_STORES,
       .compute = true,
       .indirect = true,
       .pixel_stores = true,

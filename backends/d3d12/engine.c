@@ -169,5 +169,7 @@ csm_result d3d12_geometry_import(gpu_device *device, const void *native_mesh, gp
   out->vertex_stride = native.vertex_stride;
   out->uv_offset = native.uv_offset;
   out->uv_stride = native.uv_stride;
+  out->largest_stride = LARGEST_STRIDE;
+  out->vertices_size = ID3D12Resource_GetDesc((ID3D12Resource *)native.vertices).Width;
   return CSM_SUCCESS;
 }

@@ -62,6 +62,7 @@ void null_describe(const gpu_device *device, gpu_device_info *out) {
                            .driver = "null",
                            .can = {.max_anisotropy = GPU_MAX_ANISOTROPY,
                                    .max_storage_size = 1ull << 32,
+                                   .max_buffers = GPU_MAX_BUFFERS + GPU_MAX_STORES,
                                    .compute = true,
                                    .indirect = true,
                                    .pixel_stores = true,

@@ -208,6 +208,7 @@ csm_result vulkan_geometry_import(gpu_device *device, const void *native_mesh, g
                         .index_offset = native.index_offset,
                         .uv_offset = native.uv_offset,
                         .vertex_stride = native.vertex_stride,
-                        .uv_stride = native.uv_stride};
+                        .uv_stride = native.uv_stride,
+                        .largest_stride = device->max_stride};
   return CSM_SUCCESS;
 }

@@ -62,6 +62,8 @@ static const char *unsupported(const gpu_device *device, const gpu_program_info 
     return "the queue computes nothing";
   if (!info->compute.spirv_size && info->store_image_count + info->store_buffer_count && !can->pixel_stores)
     return "pixel shaders store nothing: fragmentStoresAndAtomics is not enabled";
+  if (info->buffer_count + info->store_buffer_count > can->max_buffers)
+    return "the device lets no program see so many buffers";
   for (uint32_t i = 0; i < info->sampler_count; i++)
     if (!device->samplers[info->samplers[i]])
       return "no anisotropic sampler: samplerAnisotropy is not enabled";

@@ -4,23 +4,42 @@
 //   layout(binding = 1) uniform sampler2DArrayShadow csm_maps;         // the maps with the sampler
 //   #include "csm_sample.glsl"
 //   ... csm_visibility(position - origin, normal, view_depth)
+//   ... csm_visibility_point(position - origin, view_depth)            // fog, particles, volumes: there is no normal
 //
 // csm_constants.h, which this includes, may be included before them. Names are the includer's choice; define, before:
-//   CSM_CONSTANTS    what is indexed for a vec4 of the block (csm_c)
+//   CSM_CONSTANTS    what is indexed for a float4 of the blocks (csm_c)
+//   CSM_CONSTANT(i)  or how one is had, where they are no array: a function, a texture, two blocks (CSM_CONSTANTS[i])
+//   CSM_PREFIX       what the functions' and structs' names begin with, in place of csm_; this may be included again then,
+//                    for another light, and forgets all defines but those of the shared headers
 //   CSM_MAPS         the maps (csm_maps)
 //   CSM_SAMPLER      a samplerShadow, where CSM_MAPS is a texture2DArray without one
 //   CSM_DEPTHS       a sampler2DArray of the same maps, point and clamped: faster, and needed for filter linear_depth,
 //                    which through comparisons alone gives the bilinear comparison
+//   CSM_DEPTH_ONLY   1: there is no sampler that compares, and no CSM_MAPS: all is read through CSM_DEPTHS
 //   CSM_COMPARE(uv, layer, reference)   a bilinear comparison of the includer's own, to read through instead
 //   CSM_TEXEL_LIT(texel, layer, reference)   the comparison with one texel, by its index: 1 or 0, likewise
-//   CSM_FILTER       0 to 9, as CSM_FILTER_* of csm.h: fixes the filter; if not defined, it is as configured
-//   CSM_BIAS_MODE    0 (slope) or 1 (receiver plane): fixes the bias, likewise
-//   CSM_EARLY_OUT    0: large boxes never look at corners and middle first; if not defined, it is as configured
+//
+// What csm_shader_defines(config) gives fixes what is else read at run time; each may also be defined alone:
+//   CSM_FILTER          CSM_FILTER_*                 CSM_BIAS_MODE      CSM_BIAS_*
+//   CSM_FILTER_TAPS     taps, or points              CSM_BIAS_UNITS     0: no bias but in texels, and a constant range
+//   CSM_FILTER_WEIGHTS  CSM_WEIGHTS_*                CSM_NORMAL_OFFSET  0: there is none
+//   CSM_EARLY_OUT       0 or 1                       CSM_MAPS_ALIKE     1: an array of maps of one size
+//   CSM_SELECTION       CSM_SELECT_*                 CSM_MAPS_REVERSED  0 or 1
+//   CSM_OUT_OF_RANGE    CSM_OUT_OF_RANGE_*           CSM_CASCADES       at most so many cascades
+//   CSM_BLENDING        CSM_BLEND_*
+// CSM_AS_CONFIGURED fixes nothing, and is what each is where it is not defined.
+#ifdef CSM_PREFIX
+#undef CSM_SAMPLE_GLSL
+#endif
 #ifndef CSM_SAMPLE_GLSL
 #define CSM_SAMPLE_GLSL
 
 #include "csm_constants.h"
 #include "csm_enums.h"
+
+#ifdef CSM_PREFIX
+#include "csm_prefix.inc"
+#endif
 
 #ifndef CSM_CONSTANTS
 #define CSM_CONSTANTS csm_c
@@ -28,6 +47,19 @@
 #ifndef CSM_CONSTANT
 #define CSM_CONSTANT(i) CSM_CONSTANTS[i]
 #endif
+#ifndef CSM_DEPTH_ONLY
+#define CSM_DEPTH_ONLY 0
+#endif
+#if CSM_DEPTH_ONLY == 1
+#ifndef CSM_DEPTHS
+#define CSM_DEPTHS csm_depths
+#endif
+#ifndef CSM_TEXEL_LIT
+#define CSM_TEXEL_LIT(texel, layer, reference)                                                                         \
+    float((reference) * CSM_SIDE <= texelFetch(CSM_DEPTHS, ivec3(ivec2(texel), int(layer)), 0).x * CSM_SIDE)
+#define CSM_DEPTHS_4(texel, layer) textureGather(CSM_DEPTHS, vec3(((texel) + 1.0) * CSM_CONSTANT(CSM_C_PARAMS).zw, layer)).wzxy
+#endif
+#else
 #ifndef CSM_MAPS
 #define CSM_MAPS csm_maps
 #endif
@@ -36,13 +68,15 @@
 #else
 #define CSM_SHADOWS CSM_MAPS
 #endif
-#if !defined(CSM_COMPARE) && !defined(CSM_TEXEL_LIT)
+#ifndef CSM_COMPARE
+#ifndef CSM_TEXEL_LIT
 #define CSM_CENTRE(texel) (((texel) + 1.0) * CSM_CONSTANT(CSM_C_PARAMS).zw)
 #ifdef CSM_DEPTHS
 #define CSM_DEPTHS_4(texel, layer) textureGather(CSM_DEPTHS, vec3(CSM_CENTRE(texel), layer)).wzxy
 #else
 #define CSM_GATHER_LIT(texel, layer, reference)                                                                        \
     textureGather(CSM_SHADOWS, vec3(CSM_CENTRE(texel), layer), reference).wzxy
+#endif
 #endif
 #endif
 // Core GLSL has no textureLod of an array with comparison; without gradients this is level 0, in branches too.
@@ -54,6 +88,7 @@
 #define CSM_TEXEL_LIT(texel, layer, reference)                                                                         \
     CSM_COMPARE((texel + 0.5) * CSM_CONSTANT(CSM_C_PARAMS).zw, layer, reference)
 #endif
+#endif
 #define csm_float2 vec2
 #define csm_float3 vec3
 #define csm_float4 vec4
@@ -63,5 +98,9 @@
 #define CSM_STATIC const
 
 #include "csm_sample.inc"
+
+#ifdef CSM_PREFIX
+#include "csm_forget.inc"
+#endif
 
 #endif

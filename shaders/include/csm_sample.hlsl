@@ -1,25 +1,43 @@
 // csm_sample.hlsl: visibility of the light at a point, from the cascades' maps, for an engine's HLSL. Any stage.
 //
-//   cbuffer shadows : register(b0) { float4 csm_c[CSM_C_COUNT]; };   // csm_binding.constants, the block of csm_constants.h
+//   cbuffer shadows : register(b0) { float4 csm_c[CSM_C_COUNT]; };   // csm_binding.constants, as csm_constants.h lays out
 //   Texture2DArray<float> csm_maps : register(t0);                   // the maps
 //   #include "csm_sample.hlsl"
 //   ... csm_visibility(position - origin, normal, view_depth)
+//   ... csm_visibility_point(position - origin, view_depth)          // fog, particles, volumes: there is no normal
 //
 // csm_constants.h, which this includes, may be included before them. Names are the includer's choice; define, before:
-//   CSM_CONSTANTS    what is indexed for a float4 of the block (csm_c)
+//   CSM_CONSTANTS    what is indexed for a float4 of the blocks (csm_c)
+//   CSM_CONSTANT(i)  or how one is had, where they are no array: a function, a texture, two blocks (CSM_CONSTANTS[i])
+//   CSM_PREFIX       what the functions' and structs' names begin with, in place of csm_; this may be included again then,
+//                    for another light, and forgets all defines but those of the shared headers
 //   CSM_MAPS         the maps (csm_maps)
 //   CSM_POINT        a sampler, point and clamped: four texels are gathered at once then, which is faster
 //   CSM_COMPARE(uv, layer, reference)   a bilinear comparison of the includer's own, to read through instead
 //   CSM_TEXEL_LIT(texel, layer, reference)   the comparison with one texel, by its index: 1 or 0, likewise
-//   CSM_FILTER       0 to 9, as CSM_FILTER_* of csm.h: fixes the filter; if not defined, it is as configured
-//   CSM_BIAS_MODE    0 (slope) or 1 (receiver plane): fixes the bias, likewise
-//   CSM_EARLY_OUT    0: large boxes never look at corners and middle first; if not defined, it is as configured
-// Filter linear_depth reads depths: through comparisons alone it gives the bilinear comparison.
+// No sampler that compares is needed, unless CSM_COMPARE has one: filter linear_depth gives the bilinear comparison there.
+//
+// What csm_shader_defines(config) gives fixes what is else read at run time; each may also be defined alone:
+//   CSM_FILTER          CSM_FILTER_*                 CSM_BIAS_MODE      CSM_BIAS_*
+//   CSM_FILTER_TAPS     taps, or points              CSM_BIAS_UNITS     0: no bias but in texels, and a constant range
+//   CSM_FILTER_WEIGHTS  CSM_WEIGHTS_*                CSM_NORMAL_OFFSET  0: there is none
+//   CSM_EARLY_OUT       0 or 1                       CSM_MAPS_ALIKE     1: an array of maps of one size
+//   CSM_SELECTION       CSM_SELECT_*                 CSM_MAPS_REVERSED  0 or 1
+//   CSM_OUT_OF_RANGE    CSM_OUT_OF_RANGE_*           CSM_CASCADES       at most so many cascades
+//   CSM_BLENDING        CSM_BLEND_*
+// CSM_AS_CONFIGURED fixes nothing, and is what each is where it is not defined.
+#ifdef CSM_PREFIX
+#undef CSM_SAMPLE_HLSL
+#endif
 #ifndef CSM_SAMPLE_HLSL
 #define CSM_SAMPLE_HLSL
 
 #include "csm_constants.h"
 #include "csm_enums.h"
+
+#ifdef CSM_PREFIX
+#include "csm_prefix.inc"
+#endif
 
 #ifndef CSM_CONSTANTS
 #define CSM_CONSTANTS csm_c
@@ -31,9 +49,11 @@
 #define CSM_MAPS csm_maps
 #endif
 // Who compares in a way of their own has maps of their own: at a texel's centre that comparison is the texel's.
-#if defined(CSM_COMPARE) && !defined(CSM_TEXEL_LIT)
+#ifdef CSM_COMPARE
+#ifndef CSM_TEXEL_LIT
 #define CSM_TEXEL_LIT(texel, layer, reference)                                                                         \
     CSM_COMPARE((texel + 0.5) * CSM_CONSTANT(CSM_C_PARAMS).zw, layer, reference)
+#endif
 #endif
 #ifndef CSM_TEXEL_LIT
 #define CSM_DEPTH(texel, layer) CSM_MAPS.Load(int4(int2(texel), int(layer), 0))
@@ -55,5 +75,9 @@
 #define CSM_STATIC static const
 
 #include "csm_sample.inc"
+
+#ifdef CSM_PREFIX
+#include "csm_forget.inc"
+#endif
 
 #endif

@@ -79,7 +79,7 @@ void test_updates(smoke *s) {
     end(s);
   }
   for (uint32_t frame = 0; frame < SLOTS; frame++) {
-    const csm_result result = gpu_wait(s->g, frame);
+    const csm_result result = smoke_wait(s, frame);
     CHECK(s, result == CSM_SUCCESS, "wait: %d", result);
     const uint32_t count = count_texels(gpu_buffer_memory(s->g, s->slots[frame].readback), 0.25f + (float)frame / 8);
     CHECK(s, count == SIZE * SIZE, "frame %u: %u texels", frame, count);

@@ -88,7 +88,7 @@ static void check_layer(smoke *s, uint32_t frame, uint32_t layer, const char *re
 
 static void check_frame(smoke *s, uint32_t frame) {
   const uint32_t index = frame % SLOTS;
-  csm_result result = s->gpu->wait(s->device, index);
+  csm_result result = smoke_wait(s, index);
   CHECK(s, result == CSM_SUCCESS, "wait: %d", result);
   uint64_t times[3] = {0};
   result = s->gpu->timestamps(s->device, index, 0, 3, times);

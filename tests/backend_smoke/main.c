@@ -63,6 +63,7 @@ static void check_info(smoke *s, const gpu_open_info *open) {
         info.max_image_layers);
   CHECK(s, info.max_allocation_size >= 1 << 27 && info.max_allocation_size <= info.memory_size, "%llu of %llu",
         (unsigned long long)info.max_allocation_size, (unsigned long long)info.memory_size);
+  CHECK(s, info.can.max_buffers >= 4 && info.can.max_storage_size >= 1 << 27, "%u buffers", info.can.max_buffers);
   CHECK(s, info.max_buffer_size >= 1 << 27, "%llu", (unsigned long long)info.max_buffer_size);
   printf("%s: %s; %s; images to %u, %u layers; allocations to %.2f GiB of %.2f\n", s->gpu->name, info.name, info.driver,
          info.max_image_size, info.max_image_layers, (double)info.max_allocation_size / (1 << 30),
@@ -87,6 +88,61 @@ static bool load(smoke *s, const char *path) {
   return hello.backend;
 }
 
+static void (*const tests[])(smoke *) = {test_frames,
+                                         test_culling,
+                                         test_clamping,
+                                         test_slope,
+                                         test_bias,
+                                         test_areas,
+                                         test_d16,
+                                         test_native,
+                                         test_clears,
+                                         test_compares,
+                                         test_pairs,
+                                         test_memory,
+                                         test_copies,
+                                         test_regions,
+                                         test_updates,
+                                         test_levels,
+                                         test_level_copies,
+                                         test_layer_views,
+                                         test_loads,
+                                         test_depth_loads,
+                                         test_always,
+                                         test_both_targets,
+                                         test_samplers,
+                                         test_eight_textures,
+                                         test_attributes,
+                                         test_buffers,
+                                         test_atomics,
+                                         test_stored_images,
+                                         test_pixel_stores,
+                                         test_pixel_images,
+                                         test_fetched_vertices,
+                                         test_indirect};
+
+/* With 3 where there is no device. */
+static int run(smoke *s, gpu_open_info *info) {
+  smoke_open(s, info);
+  const csm_result result = s->gpu->open(info, &s->device);
+  if (result != CSM_SUCCESS) {
+    fprintf(stderr, "open: %d: %s\n", result, info->error);
+    return result == CSM_ERROR_NO_DEVICE ? 3 : 1;
+  }
+  s->g = (gpu){s->gpu, s->device};
+  check_info(s, info);
+  CHECK(s, smoke_wait(s, 2) == CSM_SUCCESS, "a slot that was never used");
+  make_objects(s);
+  if (s->failures)
+    return 1;
+  for (size_t i = 0; i < sizeof tests / sizeof *tests; i++)
+    tests[i](s);
+  free_objects(s);
+  s->gpu->close(s->device);
+  smoke_close(s);
+  return 0;
+}
+
 int main(int count, char **arguments) {
   if (count < 2) {
     fprintf(stderr, "usage: backend_smoke BACKEND [DEVICE]\n");
@@ -97,56 +153,15 @@ int main(int count, char **arguments) {
   if (!load(&s, arguments[1]))
     return 1;
   char error[256] = "";
-  const gpu_open_info info = {.host = &s.host,
-                              .device_name = count > 2 ? arguments[2] : NULL,
-                              .validate = true,
-                              .slots = SLOTS,
-                              .error = error,
-                              .error_size = sizeof error};
-  const csm_result result = s.gpu->open(&info, &s.device);
-  if (result != CSM_SUCCESS) {
-    fprintf(stderr, "open: %d: %s\n", result, error);
-    return result == CSM_ERROR_NO_DEVICE ? 3 : 1;
-  }
-  s.g = (gpu){s.gpu, s.device};
-  check_info(&s, &info);
-  CHECK(&s, s.gpu->wait(s.device, 2) == CSM_SUCCESS, "a slot that was never used");
-  make_objects(&s);
-  if (s.failures)
-    return 1;
-  test_frames(&s);
-  test_culling(&s);
-  test_clamping(&s);
-  test_slope(&s);
-  test_bias(&s);
-  test_areas(&s);
-  test_d16(&s);
-  test_native(&s);
-  test_clears(&s);
-  test_compares(&s);
-  test_pairs(&s);
-  test_memory(&s);
-  test_copies(&s);
-  test_regions(&s);
-  test_updates(&s);
-  test_levels(&s);
-  test_level_copies(&s);
-  test_layer_views(&s);
-  test_loads(&s);
-  test_depth_loads(&s);
-  test_always(&s);
-  test_both_targets(&s);
-  test_samplers(&s);
-  test_eight_textures(&s);
-  test_attributes(&s);
-  test_buffers(&s);
-  test_atomics(&s);
-  test_stored_images(&s);
-  test_pixel_stores(&s);
-  test_fetched_vertices(&s);
-  test_indirect(&s);
-  free_objects(&s);
-  s.gpu->close(s.device);
+  gpu_open_info info = {.host = &s.host,
+                        .device_name = count > 2 ? arguments[2] : NULL,
+                        .validate = true,
+                        .slots = SLOTS,
+                        .error = error,
+                        .error_size = sizeof error};
+  const int failed = run(&s, &info);
+  if (failed)
+    return failed;
   CHECK(&s, s.messages == 0, "%u messages", s.messages);
   test_refusals(&s);
   CHECK(&s, s.live_allocations == 0, "%lld allocations are left", (long long)s.live_allocations);

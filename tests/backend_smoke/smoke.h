@@ -124,6 +124,14 @@ const void *draw_surface(smoke *s, const smoke_surface *surface, gpu_program *pr
 const float *draw_plain(smoke *s, gpu_program *program, float clear, const quad *quads, uint32_t count);
 uint32_t count_texels(const float *depth, float value);
 
+/* ---- own.c, or vulkan.c where it is an engine's: the device ---- */
+/* Before the backend opens it, by the name in `info` or a kind of engine: fills in info->native. */
+void smoke_open(smoke *s, gpu_open_info *info);
+void *smoke_begin(smoke *s); /* the command buffer to record into; NULL on an own device */
+void smoke_end(smoke *s);
+csm_result smoke_wait(smoke *s, uint32_t slot);
+void smoke_close(smoke *s); /* after the backend has closed it */
+
 /* ---- scrap.c ---- */
 gpu_buffer *scrap_buffer(smoke *s, gpu_buffer_info info);
 gpu_image *scrap_image(smoke *s, gpu_image_info info);
@@ -172,6 +180,7 @@ void test_buffers(smoke *s); /* stores.c */
 void test_atomics(smoke *s);
 void test_stored_images(smoke *s);
 void test_pixel_stores(smoke *s);
+void test_pixel_images(smoke *s);
 void test_fetched_vertices(smoke *s); /* indirect.c */
 void test_indirect(smoke *s);
 

@@ -179,3 +179,38 @@ void test_pixel_stores(smoke *s) {
   CHECK(s, read[1] == 2 * 2 * 28 * area.height + 1, "%u pixels on the left", read[1]);
   scrap_free(s);
 }
+
+/* An area of a depth target is drawn by a program that writes an image, and no colour; the rest of it is kept. */
+void test_pixel_images(smoke *s) {
+  const uint32_t usage = GPU_IMAGE_STORED | GPU_IMAGE_TARGET | GPU_IMAGE_COPY_SOURCE | GPU_IMAGE_SAMPLED;
+  const gpu_rect area = {30, 40, 50, 60};
+  if (!s->can.pixel_stores || !(s->can.formats[GPU_FORMAT_R32_UINT] & GPU_CAN_STORE))
+    return;
+  gpu_program *program = scrap_program(s, (gpu_program_info){.name = "store",
+                                                             .vertex = shader_screen_vs,
+                                                             .pixel = shader_store_ps,
+                                                             .store_image_count = 1,
+                                                             .depth_format = GPU_FORMAT_D32_FLOAT});
+  gpu_image *image = scrap_image(s, (gpu_image_info){"places", GPU_FORMAT_R32_UINT, usage, SIZE, SIZE, 1, false, 1});
+  gpu_target *target = scrap_target(s, (gpu_target_info){.name = "places", .color = image});
+  gpu_view *view = scrap_view(s, (gpu_view_info){.name = "places", .image = image});
+  gpu_bindings *bindings =
+      scrap_bindings(s, (gpu_bindings_info){.name = "places", .program = program, .store_images = {view}});
+  begin(s, 0);
+  gpu_pass_begin(s->g, &(gpu_pass_info){.target = target, .color_load = GPU_LOAD_CLEAR, .clear_color = {5}});
+  gpu_pass_end(s->g);
+  draw_screen(
+      s, &(gpu_pass_info){.target = s->plain.target, .depth_load = GPU_LOAD_CLEAR, .area = area, .stores = bindings},
+      program, bindings, 0);
+  end_and_wait(s, 0);
+  uint32_t row_bytes, wrong = 0;
+  const gpu_region all = {.width = SIZE, .height = SIZE};
+  const uint32_t *places = (const uint32_t *)read_level(s, image, GPU_FORMAT_R32_UINT, all, &row_bytes);
+  for (uint32_t y = 0; y < SIZE; y++)
+    for (uint32_t x = 0; x < SIZE; x++) {
+      const bool drawn = x - area.x < area.width && y - area.y < area.height;
+      wrong += places[y * SIZE + x] != (drawn ? x + 1000 * y : 5);
+    }
+  CHECK(s, wrong == 0, "%u pixels", wrong);
+  scrap_free(s);
+}

@@ -186,18 +186,20 @@ void draw_pass(smoke *s, gpu_target *target, gpu_program *program, gpu_buffer *r
 }
 
 void begin(smoke *s, uint32_t slot) {
-  const csm_result result = s->gpu->begin(s->device, &(gpu_record_info){.slot = slot, .first = true});
+  const gpu_record_info info = {.slot = slot, .first = true, .native = smoke_begin(s)};
+  const csm_result result = s->gpu->begin(s->device, &info);
   CHECK(s, result == CSM_SUCCESS, "begin: %d", result);
 }
 
 void end(smoke *s) {
   const csm_result result = s->gpu->end(s->device);
   CHECK(s, result == CSM_SUCCESS, "end: %d", result);
+  smoke_end(s);
 }
 
 void end_and_wait(smoke *s, uint32_t slot) {
   end(s);
-  const csm_result result = s->gpu->wait(s->device, slot);
+  const csm_result result = smoke_wait(s, slot);
   CHECK(s, result == CSM_SUCCESS, "wait: %d", result);
 }
 

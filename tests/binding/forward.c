@@ -9,12 +9,16 @@
 #include "../tools/gpu_host.h"
 #include "csm_constants.h"
 #include "forward_code.h"
-#include "forward_depths_glsl.h"
-#include "forward_glsl.h"
+#include "forward_glsl_0.h"
+#include "forward_glsl_1.h"
+#include "forward_glsl_2.h"
+#include "forward_glsl_3.h"
+#include "forward_glsl_4.h"
 #include "abi/loader.h"
-#include "passes/passes.h"
 #include "plan/plan.h"
 #include "shader_code.h"
+#include "techniques/draw_list.h"
+#include "techniques/mask/mask_programs.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -23,21 +27,41 @@
 
 enum { WIDTH = 512, HEIGHT = 256, PIXELS = WIDTH * HEIGHT, BOXES = 40, CASCADES = 3, RESOLUTION = 512 };
 enum { FILTERS = CSM_FILTER_GRID_17 + 1 };
-enum { READERS = 4, PICTURES = 1 + READERS }; /* the mask; what a forward shader gives that reads maps in each way */
+enum { READERS = 10, PICTURES = 1 + READERS }; /* the mask; what a forward shader gives that reads maps in each way */
+
+/* Which configurations a shader is made for. */
+enum { FOR_ALL, FOR_FIXED, FOR_POINTS };
 
 /* GLSL is for Vulkan only. Through comparisons alone there is no bilinear depth. */
 static const struct {
   const char *name;
   bool glsl, depths;
+  uint32_t made_for;
   uint32_t sampler_count;
   gpu_sampler samplers[2];
 } readers[READERS] = {
     {"HLSL, loads", .depths = true},
     {"HLSL, gathers", .depths = true, .sampler_count = 1, .samplers = {GPU_SAMPLER_POINT_CLAMP}},
-    {"GLSL, comparisons", .glsl = true, .sampler_count = 1, .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL}},
+    {"HLSL, fixed", .depths = true, .made_for = FOR_FIXED},
+    {"HLSL, two lights", .depths = true, .sampler_count = 1, .samplers = {GPU_SAMPLER_POINT_CLAMP}},
+    {"HLSL, points", .depths = true, .made_for = FOR_POINTS},
+    {"GLSL, comparisons", .glsl = true, .sampler_count = 2, .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL, GPU_SAMPLER_POINT_CLAMP}},
     {"GLSL, depths", .glsl = true, .depths = true, .sampler_count = 2,
      .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL, GPU_SAMPLER_POINT_CLAMP}},
+    {"GLSL, fixed", .glsl = true, .made_for = FOR_FIXED, .sampler_count = 2,
+     .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL, GPU_SAMPLER_POINT_CLAMP}},
+    {"GLSL, two lights", .glsl = true, .depths = true, .sampler_count = 2,
+     .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL, GPU_SAMPLER_POINT_CLAMP}},
+    {"GLSL, points", .glsl = true, .made_for = FOR_POINTS, .sampler_count = 2,
+     .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL, GPU_SAMPLER_POINT_CLAMP}},
 };
+
+/* What the fixed shaders were made with. */
+static const char fixed_defines[] =
+    "#define CSM_FILTER 1\n#define CSM_FILTER_TAPS 3\n#define CSM_FILTER_WEIGHTS 0\n#define CSM_EARLY_OUT 0\n"
+    "#define CSM_BIAS_MODE 1\n#define CSM_BIAS_UNITS 0\n#define CSM_NORMAL_OFFSET 0\n#define CSM_SELECTION 1\n"
+    "#define CSM_OUT_OF_RANGE 0\n#define CSM_BLENDING 0\n#define CSM_MAPS_ALIKE 1\n#define CSM_MAPS_REVERSED 0\n"
+    "#define CSM_CASCADES 3\n";
 
 /* Where things lie in the upload buffer */
 enum {
@@ -45,12 +69,13 @@ enum {
   GEOMETRY_BYTES = 1024,
   AT_PLANE = GEOMETRY_BYTES,
   AT_BLOCKS = AT_PLANE + 256,
-  AT_VIEW = AT_BLOCKS + MASK_BLOCKS,
+  AT_VIEW = AT_BLOCKS + MASK_CASCADES_BLOCK + MASK_CAMERA_BLOCK,
   AT_MATRICES = AT_VIEW + 4096,
   MATRICES_BYTES = 4096,
   UPLOAD_BYTES = AT_MATRICES + CASCADES * MATRICES_BYTES,
 };
-_Static_assert((BOXES + 1) * PASS_CAMERA_ROWS * 16 <= 4096, "matrices fit");
+enum { MAP_ROWS = 3, CAMERA_ROWS = 4 }; /* float4 rows for each instance */
+_Static_assert((BOXES + 1) * CAMERA_ROWS * 16 <= 4096, "matrices fit");
 /* and in the geometry */
 enum { AT_BOX = 64, AT_SQUARE_INDICES = 256, AT_BOX_INDICES = 512 };
 
@@ -66,16 +91,16 @@ static const uint16_t box_indices[36] = {0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 
                                          3, 7, 6, 3, 6, 2, 0, 4, 7, 0, 7, 3, 1, 2, 6, 1, 6, 5};
 
 typedef struct bench {
-  pass_gpu gpu;
+  gpu gpu;
   uint32_t failures;
   gpu_buffer *upload, *geometry, *readback;
   gpu_image *maps, *depth, *pictures[PICTURES];
   gpu_target *map_targets[CASCADES], *depth_target, *picture_targets[PICTURES];
-  pass_casters casters;
-  plan_layout layout;
   gpu_program *cascade_depth, *camera_depth, *mask[2][FILTERS], *forward[READERS];
+  bool fixed, points; /* the plan is one that the shaders of that kind are made for */
   gpu_bindings *mask_bindings, *forward_bindings[READERS];
   plan_instance instances[BOXES + 1];
+  plan_box boxes[BOXES + 1];
   plan_scene scene;
   plan_frame frame;
   plan_list view;
@@ -118,7 +143,17 @@ static void make_scene(bench *b) {
     const double at[3] = {between(&random, -25, 15), between(&random, 10, 16), between(&random, -50, 0)};
     b->instances[i] = place(1, at, between(&random, 0.1, 1.5), between(&random, 0.1, 1.0), between(&random, 0.1, 1.5));
   }
-  b->scene = (plan_scene){b->instances, BOXES + 1, bounds, 2};
+  for (uint32_t i = 0; i <= BOXES; ++i) {
+    check(b, plan_instance_check(&b->instances[i]) == CSM_SUCCESS, "instances are sound");
+    plan_instance_box(&b->boxes[i], &b->instances[i], &bounds[b->instances[i].mesh]);
+  }
+  b->scene = (plan_scene){.instances = b->instances,
+                          .boxes = b->boxes,
+                          .slot_count = BOXES + 1,
+                          .caster_count = BOXES + 1,
+                          .receiver_count = BOXES + 1,
+                          .meshes = bounds,
+                          .mesh_count = 2};
 }
 
 /* Looks along -z, 35 degrees down; reversed-Z, without a far plane. */
@@ -159,7 +194,7 @@ static void write_plane(float out[16], const double view[16], const double proje
   memcpy(&out[12], (const float[]){0, 1, 0, 0}, 16);
 }
 
-static bool make_plan(bench *b, uint32_t filter, uint32_t bias_mode) {
+static csm_config make_config(uint32_t filter, uint32_t bias_mode, bool sloped) {
   csm_config config = {.struct_size = sizeof config};
   plan_config_default(&config);
   config.cascade_count = CASCADES;
@@ -167,10 +202,33 @@ static bool make_plan(bench *b, uint32_t filter, uint32_t bias_mode) {
   config.shadow_distance = 40;
   config.filter = filter;
   config.bias_mode = bias_mode;
+  if (!sloped) {
+    config.bias_slope_texels = 0.0;
+    config.bias_constant_texels = 4.0; /* or all is acne */
+  }
+  return config;
+}
+
+/* What the fixed shaders were made with is what is asked for. */
+static void check_defines(bench *b, const csm_config *config) {
+  char text[sizeof fixed_defines + 8] = "";
+  b->fixed = false;
+  if (config->filter != CSM_FILTER_PCF_3X3 || config->bias_mode != CSM_BIAS_RECEIVER_PLANE)
+    return;
+  check(b, plan_shader_defines(config, NULL, 0) == sizeof fixed_defines, "the defines' size can be asked");
+  check(b, plan_shader_defines(config, text, 9) == sizeof fixed_defines && !strcmp(text, "#define "), "no more is written");
+  check(b, plan_shader_defines(config, text, sizeof text) == sizeof fixed_defines && !strcmp(text, fixed_defines),
+        "the defines are those that the fixed shaders were made with");
+  b->fixed = true;
+}
+
+static bool make_plan(bench *b, const csm_config *config) {
+  check_defines(b, config);
+  b->points = config->bias_mode == CSM_BIAS_SLOPE && config->bias_slope_texels == 0.0;
   double view[16], projection[16];
   const char *error = "";
   make_camera(view, projection);
-  const plan_frame_info info = {.config = &config,
+  const plan_frame_info info = {.config = config,
                                 .view = view,
                                 .projection = projection,
                                 .light = (const double[]){0.4, -1, 0.25},
@@ -182,9 +240,9 @@ static bool make_plan(bench *b, uint32_t filter, uint32_t bias_mode) {
 
   char *upload = b->gpu.api->buffer_memory(b->upload);
   write_plane((float *)(upload + AT_PLANE), view, projection);
-  plan_write_constants((float *)(upload + AT_BLOCKS), &b->frame, &config);
-  plan_write_mask_constants((float *)(upload + AT_BLOCKS + MASK_CASCADES_BLOCK), &b->frame, &b->frame.camera, WIDTH,
-                            HEIGHT, false, CSM_VIEW_SHADOW);
+  plan_write_constants((float *)(upload + AT_BLOCKS), &b->frame, config);
+  plan_write_mask_constants((float *)(upload + AT_BLOCKS + MASK_CASCADES_BLOCK), &b->frame,
+                            &(plan_picture){.camera = &b->frame.camera, .width = WIDTH, .height = HEIGHT});
   plan_write_view_matrices((float *)(upload + AT_VIEW), &b->view, &b->frame.camera, &b->scene);
   for (uint32_t i = 0; i < CASCADES; ++i)
     plan_write_cascade_matrices((float *)(upload + AT_MATRICES + i * MATRICES_BYTES), &b->frame, i, &b->scene);
@@ -240,8 +298,14 @@ static csm_result make_forward(bench *b, uint32_t reader, gpu_program **out) {
   const gpu_code codes[READERS] = {
       shader_forward_ps,
       shader_forward_gathers_ps,
-      {.spirv = forward_glsl, .spirv_size = sizeof forward_glsl},
-      {.spirv = forward_depths_glsl, .spirv_size = sizeof forward_depths_glsl},
+      shader_forward_fixed_ps,
+      shader_forward_two_ps,
+      shader_forward_point_ps,
+      {.spirv = forward_glsl_0, .spirv_size = sizeof forward_glsl_0},
+      {.spirv = forward_glsl_1, .spirv_size = sizeof forward_glsl_1},
+      {.spirv = forward_glsl_2, .spirv_size = sizeof forward_glsl_2},
+      {.spirv = forward_glsl_3, .spirv_size = sizeof forward_glsl_3},
+      {.spirv = forward_glsl_4, .spirv_size = sizeof forward_glsl_4},
   };
   if (readers[reader].glsl && strcmp(b->gpu.api->name, "vulkan"))
     return CSM_SUCCESS;
@@ -265,23 +329,35 @@ static csm_result make_forward(bench *b, uint32_t reader, gpu_program **out) {
   return b->gpu.api->bindings_create(b->gpu.device, &inputs, &b->forward_bindings[reader]);
 }
 
+static csm_result make_mask(bench *b, uint32_t filter, uint32_t bias) {
+  const csm_config config = make_config(filter, bias, true);
+  return mask_program_create(b->gpu, &config, false, false, &b->mask[bias][filter]);
+}
+
 static csm_result make_programs(bench *b) {
-  csm_config config = {.struct_size = sizeof config};
-  plan_config_default(&config);
-  config.cascade_count = CASCADES;
-  config.resolution = RESOLUTION;
-  b->casters = cascade_depth_casters(&config);
-  plan_layout_make(&b->layout, &config);
-  csm_result result =
-      cascade_depth_program(b->gpu, &b->casters, GPU_CULL_NONE, (pass_vertices){.stride = 12}, &b->cascade_depth);
+  const draw_list_kind maps = {.name = "cascade depth",
+                               .vertex = shader_cascade_depth_vs,
+                               .rows = MAP_ROWS,
+                               .format = GPU_FORMAT_D32_FLOAT,
+                               .compare = GPU_COMPARE_LESS};
+  const draw_list_kind camera = {.name = "camera depth",
+                                 .vertex = shader_camera_depth_vs,
+                                 .rows = CAMERA_ROWS,
+                                 .format = GPU_FORMAT_D32_FLOAT,
+                                 .compare = GPU_COMPARE_GREATER,
+                                 .clip = true};
+  csm_result result = draw_list_program(b->gpu, &maps, (mesh_vertices){.stride = 12}, &b->cascade_depth);
   if (!result)
-    result = camera_depth_program(b->gpu, true, (pass_vertices){.stride = 12}, &b->camera_depth);
+    result = draw_list_program(b->gpu, &camera, (mesh_vertices){.stride = 12}, &b->camera_depth);
   for (uint32_t filter = 0; filter < FILTERS && !result; ++filter)
     for (uint32_t bias = 0; bias < 2 && !result; ++bias)
       if (!bias || filter != CSM_FILTER_LINEAR_DEPTH)
-        result = mask_program(b->gpu, &(mask_kind){.filter = filter, .plane = bias}, &b->mask[bias][filter]);
+        result = make_mask(b, filter, bias);
   if (!result) {
-    const gpu_bindings_info inputs = mask_inputs(b->mask[0][0], b->upload, b->maps, b->depth, NULL);
+    const gpu_bindings_info inputs = {.name = "mask",
+                                      .program = b->mask[0][0],
+                                      .constants = {b->upload, b->upload},
+                                      .textures = {b->maps, b->depth}};
     result = b->gpu.api->bindings_create(b->gpu.device, &inputs, &b->mask_bindings);
   }
   for (uint32_t reader = 0; reader < READERS && !result; ++reader)
@@ -318,28 +394,26 @@ static void free_objects(bench *b) {
 
 /* ---- drawing ---- */
 
-static void record_forward(bench *b, uint32_t reader) {
-  const gpu_backend *api = b->gpu.api;
-  if (!b->forward[reader])
-    return;
-  api->pass_begin(b->gpu.device,
-                  &(gpu_pass_info){.target = b->picture_targets[1 + reader], .color_load = GPU_LOAD_DISCARD});
-  api->pass_program(b->gpu.device, b->forward[reader]);
-  api->pass_bind(b->gpu.device, b->forward_bindings[reader], (const uint32_t[]){AT_BLOCKS, AT_PLANE});
-  api->pass_draw(b->gpu.device, &(gpu_draw){.count = 3, .instance_count = 1});
-  api->pass_end(b->gpu.device);
-  api->copy_image(b->gpu.device, b->readback, (uint64_t)(1 + reader) * PIXELS, WIDTH, b->pictures[1 + reader],
-                  &(gpu_region){.width = WIDTH, .height = HEIGHT});
+/* A pass over the whole of a picture, which is then read back. */
+static void record_picture(bench *b, uint32_t picture, gpu_program *program, gpu_bindings *bindings, uint32_t second) {
+  const gpu gpu = b->gpu;
+  gpu_pass_begin(gpu, &(gpu_pass_info){.target = b->picture_targets[picture], .color_load = GPU_LOAD_DISCARD});
+  gpu_pass_program(gpu, program);
+  gpu_pass_bind(gpu, bindings, (const uint32_t[]){AT_BLOCKS, second});
+  gpu_pass_draw(gpu, &(gpu_draw){.count = 3, .instance_count = 1});
+  gpu_pass_end(gpu);
+  gpu_copy_image(gpu, b->readback, (uint64_t)picture * PIXELS, WIDTH, b->pictures[picture],
+                 &(gpu_region){.width = WIDTH, .height = HEIGHT});
 }
 
-static csm_result draw(bench *b, uint32_t filter, uint32_t bias_mode) {
-  const gpu_backend *api = b->gpu.api;
-  gpu_device *device = b->gpu.device;
-  const csm_result result = api->begin(device, &(gpu_record_info){.slot = 0, .first = true});
-  if (result)
-    return result;
-  api->copy_buffer(device, b->geometry, 0, b->upload, AT_GEOMETRY, GEOMETRY_BYTES);
-  const pass_mesh meshes[2] = {
+static void record_list(bench *b, gpu_target *target, float clear, const draw_list_info *list) {
+  gpu_pass_begin(b->gpu, &(gpu_pass_info){.target = target, .depth_load = GPU_LOAD_CLEAR, .clear_depth = clear});
+  draw_list(b->gpu, list);
+  gpu_pass_end(b->gpu);
+}
+
+static void record_depths(bench *b) {
+  const mesh_place meshes[2] = {
       {.vertices = b->geometry,
        .indices = b->geometry,
        .index_offset = AT_SQUARE_INDICES,
@@ -352,34 +426,33 @@ static csm_result draw(bench *b, uint32_t filter, uint32_t bias_mode) {
        .index_count = 36,
        .index_size = 2},
   };
-  cascade_depth_pass maps = {.casters = &b->casters,
-                             .programs = {&b->cascade_depth},
-                             .layout = &b->layout,
-                             .maps = b->maps,
-                             .targets = b->map_targets,
-                             .plan = &b->frame,
-                             .meshes = meshes,
-                             .matrices = b->upload};
-  for (uint32_t i = 0; i < CASCADES; ++i)
-    maps.matrices_offsets[i] = AT_MATRICES + i * MATRICES_BYTES;
-  cascade_depth_record(b->gpu, &maps);
-  camera_depth_record(b->gpu, &(camera_depth_pass){.programs = &b->camera_depth,
-                                                   .depth = b->depth,
-                                                   .target = b->depth_target,
-                                                   .reversed = true,
-                                                   .list = &b->view,
-                                                   .meshes = meshes,
-                                                   .matrices = b->upload,
-                                                   .matrices_offset = AT_VIEW});
-  mask_record(b->gpu, &(mask_pass){.program = b->mask[bias_mode][filter],
-                                   .bindings = b->mask_bindings,
-                                   .target = b->picture_targets[0],
-                                   .constants_offset = AT_BLOCKS});
-  api->copy_image(device, b->readback, 0, WIDTH, b->pictures[0], &(gpu_region){.width = WIDTH, .height = HEIGHT});
+  draw_list_info list = {.programs = {&b->cascade_depth}, .meshes = meshes, .matrices = b->upload, .rows = MAP_ROWS};
+  for (uint32_t i = 0; i < CASCADES; ++i) {
+    list.list = &b->frame.cascades[i].list;
+    list.offset = AT_MATRICES + i * MATRICES_BYTES;
+    record_list(b, b->map_targets[i], 1.0f, &list);
+  }
+  list.programs[0] = &b->camera_depth;
+  list.list = &b->view;
+  list.offset = AT_VIEW;
+  list.rows = CAMERA_ROWS;
+  record_list(b, b->depth_target, 0.0f, &list);
+  gpu_make_readable(b->gpu, b->maps, NULL);
+  gpu_make_readable(b->gpu, b->depth, NULL);
+}
+
+static csm_result draw(bench *b, uint32_t filter, uint32_t bias_mode) {
+  const csm_result result = gpu_begin(b->gpu, &(gpu_record_info){.slot = 0, .first = true});
+  if (result)
+    return result;
+  gpu_copy_buffer(b->gpu, b->geometry, 0, b->upload, AT_GEOMETRY, GEOMETRY_BYTES);
+  record_depths(b);
+  record_picture(b, 0, b->mask[bias_mode][filter], b->mask_bindings, AT_BLOCKS + MASK_CASCADES_BLOCK);
   for (uint32_t reader = 0; reader < READERS; ++reader)
-    record_forward(b, reader);
-  const csm_result ended = api->end(device);
-  return ended ? ended : api->wait(device, 0);
+    if (b->forward[reader])
+      record_picture(b, 1 + reader, b->forward[reader], b->forward_bindings[reader], AT_PLANE);
+  const csm_result ended = gpu_end(b->gpu);
+  return ended ? ended : gpu_wait(b->gpu, 0);
 }
 
 /* ---- comparing ---- */
@@ -397,7 +470,9 @@ static uint32_t differing(const uint8_t *a, const uint8_t *b, int more_than, int
 
 /* The contract's tolerance: 1/255 on all but 0.01 % of the pixels. */
 static void compare_forward(bench *b, uint32_t filter, uint32_t bias_mode, uint32_t reader) {
-  if (!b->forward[reader] || (filter == CSM_FILTER_LINEAR_DEPTH && !readers[reader].depths))
+  const uint32_t made_for = readers[reader].made_for;
+  if (!b->forward[reader] || (filter == CSM_FILTER_LINEAR_DEPTH && !readers[reader].depths) ||
+      (made_for == FOR_FIXED && !b->fixed) || (made_for == FOR_POINTS && !b->points))
     return;
   const uint8_t *mask = b->gpu.api->buffer_memory(b->readback);
   int largest;
@@ -423,13 +498,19 @@ static void check_mask(bench *b, uint32_t filter) {
         "the mask has shadows");
 }
 
-static void compare_filter(bench *b, uint32_t filter, uint32_t bias_mode, uint8_t *mask) {
-  if (!make_plan(b, filter, bias_mode) || !check(b, draw(b, filter, bias_mode) == CSM_SUCCESS, "drawing"))
+static void compare_filter(bench *b, const csm_config *config, uint8_t *mask) {
+  const uint32_t filter = config->filter, bias_mode = config->bias_mode;
+  if (!make_plan(b, config) || !check(b, draw(b, filter, bias_mode) == CSM_SUCCESS, "drawing"))
     return;
   check_mask(b, filter);
   for (uint32_t reader = 0; reader < READERS; ++reader)
     compare_forward(b, filter, bias_mode, reader);
   memcpy(mask, b->gpu.api->buffer_memory(b->readback), PIXELS);
+}
+
+static void compare_with(bench *b, uint32_t filter, uint32_t bias_mode, bool sloped, uint8_t *mask) {
+  const csm_config config = make_config(filter, bias_mode, sloped);
+  compare_filter(b, &config, mask);
 }
 
 /* No filter is drawn in place of another. */
@@ -449,8 +530,9 @@ static void run(bench *b) {
     for (uint32_t bias_mode = 0; bias_mode < 2; ++bias_mode)
       for (uint32_t filter = 0; filter < FILTERS; ++filter)
         if (!bias_mode || filter != CSM_FILTER_LINEAR_DEPTH) /* which has no texels for a plane */
-          compare_filter(b, filter, bias_mode, masks[bias_mode][filter]);
+          compare_with(b, filter, bias_mode, true, masks[bias_mode][filter]);
     compare_masks(b, masks[0]);
+    compare_with(b, CSM_FILTER_PCF_3X3, CSM_BIAS_SLOPE, false, masks[0][0]);
   }
   free_objects(b);
   test_release(NULL, b->frame_memory);

@@ -1,4 +1,5 @@
-// forward.ps.hlsl in GLSL, with names of its own and a sampler apart; FORWARD_DEPTHS: reading depths.
+// forward.ps.hlsl in GLSL, with names of its own and a sampler apart. FORWARD_WAY: 0 compares, 1 reads depths, 2 is fixed to
+// a configuration, 3 has two lights, one of them with depths alone, 4 asks for points.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "csm_constants.h"
@@ -13,22 +14,56 @@ layout(set = 0, binding = 1) uniform plane_block
 };
 layout(set = 0, binding = 16) uniform texture2DArray sun_maps;
 layout(set = 0, binding = 48) uniform samplerShadow sun_sampler;
-
-#ifdef FORWARD_DEPTHS
 layout(set = 0, binding = 49) uniform sampler sun_point;
-#define CSM_DEPTHS sampler2DArray(sun_maps, sun_point)
-#endif
 
+#if FORWARD_WAY == 3
+vec4 constant(int i)
+{
+    return sun.constants[i];
+}
+#define CSM_PREFIX sun_
+#define CSM_CONSTANT(i) constant(i)
+#define CSM_DEPTH_ONLY 1
+#define CSM_DEPTHS sampler2DArray(sun_maps, sun_point)
+#include "csm_sample.glsl"
+#define CSM_PREFIX moon_
+#define CSM_CONSTANTS sun.constants
+#define CSM_MAPS sun_maps
+#define CSM_SAMPLER sun_sampler
+#define CSM_DEPTHS sampler2DArray(sun_maps, sun_point)
+#include "csm_sample.glsl"
+
+float visibility(vec3 position)
+{
+    vec3 normal = plane[3].xyz;
+    float lit = sun_visibility(position, normal, sun_view_depth(position));
+    return 0.5 * (lit + moon_visibility(position, normal, moon_view_depth(position)));
+}
+#else
+#if FORWARD_WAY == 1
+#define CSM_DEPTHS sampler2DArray(sun_maps, sun_point)
+#elif FORWARD_WAY == 2
+#include "forward_defines.h"
+#endif
 #define CSM_CONSTANTS sun.constants
 #define CSM_MAPS sun_maps
 #define CSM_SAMPLER sun_sampler
 #include "csm_sample.glsl"
+
+float visibility(vec3 position)
+{
+#if FORWARD_WAY == 4
+    return csm_visibility_point(position, csm_view_depth(position));
+#else
+    return csm_visibility(position, plane[3].xyz, csm_view_depth(position));
+#endif
+}
+#endif
 
 layout(location = 0) out float lit;
 
 void main()
 {
     vec4 p = plane[0] + gl_FragCoord.x * plane[1] + gl_FragCoord.y * plane[2];
-    vec3 position = p.xyz / p.w;
-    lit = csm_visibility(position, plane[3].xyz, csm_view_depth(position));
+    lit = visibility(p.xyz / p.w);
 }

@@ -1,4 +1,5 @@
 // An engine's forward shader in small: the light's visibility on a plane, whose point at each pixel the test says.
+// FORWARD_WAY: 0 loads texels, 1 gathers them, 2 is fixed to a configuration, 3 has two lights, 4 asks for points.
 #include "csm_constants.h"
 
 cbuffer shadows_block : register(b0)
@@ -10,15 +11,49 @@ cbuffer plane_block : register(b1)
     float4 plane[4]; // homogeneous position at (0, 0), its change for each pixel right and down; normal
 };
 Texture2DArray<float> csm_maps : register(t0);
-#ifdef CSM_POINT
-SamplerState CSM_POINT : register(s0);
-#endif
 
+#if FORWARD_WAY == 3
+// The first light has its constants by a function, the second its own names and a sampler.
+float4 sun_constant(int i)
+{
+    return csm_c[i];
+}
+SamplerState moon_sampler : register(s0);
+#define CSM_PREFIX sun_
+#define CSM_CONSTANT(i) sun_constant(i)
 #include "csm_sample.hlsl"
+#define CSM_PREFIX moon_
+#define CSM_MAPS csm_maps
+#define CSM_POINT moon_sampler
+#include "csm_sample.hlsl"
+
+float visibility(float3 position)
+{
+    float3 normal = plane[3].xyz;
+    float sun = sun_visibility(position, normal, sun_view_depth(position));
+    return 0.5 * (sun + moon_visibility(position, normal, moon_view_depth(position)));
+}
+#else
+#if FORWARD_WAY == 1
+SamplerState csm_point : register(s0);
+#define CSM_POINT csm_point
+#elif FORWARD_WAY == 2
+#include "forward_defines.h"
+#endif
+#include "csm_sample.hlsl"
+
+float visibility(float3 position)
+{
+#if FORWARD_WAY == 4
+    return csm_visibility_point(position, csm_view_depth(position));
+#else
+    return csm_visibility(position, plane[3].xyz, csm_view_depth(position));
+#endif
+}
+#endif
 
 float main(float4 screen : SV_Position) : SV_Target
 {
     float4 p = plane[0] + screen.x * plane[1] + screen.y * plane[2];
-    float3 position = p.xyz / p.w;
-    return csm_visibility(position, plane[3].xyz, csm_view_depth(position));
+    return visibility(p.xyz / p.w);
 }

@@ -29,13 +29,14 @@ SamplerComparisonState compare : register(s1);
 #define CSM_TEXEL_LIT(texel, layer, reference) float(reference <= MAPS.Load(int4(int2(texel), int(layer), 0)))
 #endif
 #include "csm_sample.hlsl"
-float main(float4 p : SV_Position) : SV_Target { return csm_visibility(p.xyz, p.xyz, csm_view_depth(p.xyz)); }
+float main(float4 p : SV_Position) : SV_Target { return ASKED; }
 """
 glsl = """#version 450
 #extension GL_GOOGLE_include_directive : require
 #include "csm_constants.h"
 layout(set = 0, binding = 0) uniform shadows { vec4 CONSTANTS[CSM_C_COUNT]; };
-#ifdef CSM_SAMPLER
+#ifdef CSM_DEPTH_ONLY
+#elif defined(CSM_SAMPLER)
 layout(set = 0, binding = 1) uniform texture2DArray MAPS;
 layout(set = 0, binding = 2) uniform samplerShadow CSM_SAMPLER;
 #else
@@ -55,7 +56,7 @@ layout(set = 0, binding = 5) uniform sampler any;
 #endif
 #include "csm_sample.glsl"
 layout(location = 0) out float lit;
-void main() { vec3 p = gl_FragCoord.xyz; lit = csm_visibility(p, p, csm_view_depth(p)); }
+void main() { vec4 p = gl_FragCoord; lit = ASKED; }
 """
 # Two suns by one include: what the macros name may depend on a variable.
 compute = """#version 450
@@ -101,7 +102,9 @@ float main(float4 p : SV_Position) : SV_Target
 }
 """
 named = {"CSM_CONSTANTS": "c", "CSM_MAPS": "maps", "CONSTANTS": "c", "MAPS": "maps"}
-usual = {"CONSTANTS": "csm_c", "MAPS": "csm_maps"}
+asked = {"ASKED": "csm_visibility(p.xyz,p.xyz,csm_view_depth(p.xyz))"}
+usual = {"CONSTANTS": "csm_c", "MAPS": "csm_maps", **asked}
+named = {"CSM_CONSTANTS": "c", "CSM_MAPS": "maps", "CONSTANTS": "c", "MAPS": "maps", **asked}
 LOAD, GATHER, GATHER_LIT, LIT = READS = "OpImageFetch", "OpImageGather", "OpImageDrefGather", "OpImageSampleDref"
 # How the maps are read in each language: four texels with what, single ones with what
 ways = {
@@ -112,6 +115,7 @@ ways = {
     "GLSL, gathers with comparison": (glsl, usual, {GATHER_LIT, LIT}, {LIT}),
     "GLSL, own names, sampler apart": (glsl, {**named, "CSM_SAMPLER": "compare"}, {GATHER_LIT, LIT}, {LIT}),
     "GLSL, own names, depths": (glsl, {**named, "CSM_DEPTHS": "depths"}, {GATHER}, {LIT}),
+    "GLSL, depths alone": (glsl, {**usual, "CSM_DEPTH_ONLY": "1", "CSM_DEPTHS": "depths"}, {GATHER}, {LOAD}),
     "GLSL, own comparison": (glsl, {**usual, "OWN_COMPARISON": "1"}, {LIT}, {LIT}),
     "GLSL, own comparison with a texel": (glsl, {**usual, "OWN_TEXEL": "1"}, {LOAD}, {LOAD}),
 }
@@ -122,10 +126,21 @@ for way, (source, defines, reads, texel_reads) in ways.items():
     for kind in (NEAREST, FILTERS - 1) if "own comparison" in way else range(FILTERS):
         fixed, nearest = {**defines, "CSM_FILTER": str(kind)}, kind == NEAREST
         cases[f"{way}, filter {kind}"] = source, "frag", fixed, texel_reads if nearest else reads, nearest
-for mode in ("0", "1"):
-    fixed = {**usual, "CSM_BIAS_MODE": mode, "CSM_FILTER": "1"}
-    cases[f"HLSL, bias mode {mode}"] = hlsl, "frag", fixed, {LOAD}, False
-    cases[f"GLSL, bias mode {mode}"] = glsl, "frag", fixed, {GATHER_LIT, LIT}, False
+# Each define fixed to each of its values, and all of them; what is fixed away is not read.
+axes = {"CSM_BIAS_MODE": 2, "CSM_BIAS_UNITS": 2, "CSM_NORMAL_OFFSET": 2, "CSM_SELECTION": 3, "CSM_OUT_OF_RANGE": 3,
+        "CSM_BLENDING": 3, "CSM_MAPS_ALIKE": 2, "CSM_MAPS_REVERSED": 2, "CSM_FILTER_WEIGHTS": 3, "CSM_EARLY_OUT": 2}
+for language, source, reads in (("HLSL", hlsl, {LOAD}), ("GLSL", glsl, {GATHER_LIT, LIT})):
+    for name, many in axes.items():
+        for value in range(many):
+            once = reads - {LIT} if (name, value) == ("CSM_BIAS_MODE", 0) else reads  # one depth for four texels
+            cases[f"{language}, {name} {value}"] = source, "frag", {**usual, "CSM_FILTER": "4", name: str(value)}, once, False
+    for cascades in range(1, 9):
+        cases[f"{language}, {cascades} cascades"] = source, "frag", {
+            **usual, "CSM_FILTER": "CSM_FILTER_PCF_3X3", "CSM_CASCADES": str(cascades)}, reads, False
+    least = {**usual, **{name: "0" for name in axes}, "CSM_SELECTION": "CSM_SELECT_MAP", "CSM_FILTER": "0"}
+    cases[f"{language}, all fixed"] = source, "frag", least, {LOAD} if source == hlsl else {GATHER_LIT}, False
+    cases[f"{language}, a point"] = source, "frag", {
+        **least, "ASKED": "csm_visibility_point(p.xyz,p.w)"}, {LOAD} if source == hlsl else {GATHER_LIT}, False
 cases["GLSL, two suns in a compute shader"] = compute, "comp", {}, {LIT}, False
 cases["HLSL, two suns"] = hlsl_suns, "frag", {}, {LOAD}, False
 
@@ -135,6 +150,19 @@ def run(*command):
     if done.returncode:
         raise RuntimeError(done.stdout)
     return done.stdout
+
+
+def check_enumerations():
+    """csm_enums.h has csm.h's enumerations that csm_config and shaders share."""
+    values = {}
+    for name, value in re.findall(r"(CSM_[A-Z0-9_]+) = (\d+)", (pathlib.Path(root) / "api/include/csm/csm.h").read_text()):
+        values[name] = value
+    macros = dict(re.findall(r"#define (CSM_[A-Z0-9_]+) (\d+)\n", (include / "csm_enums.h").read_text()))
+    assert len(macros) > 20, "no enumerations"
+    wrong = [name for name, value in macros.items() if values.get(name) != value]
+    missing = [name for name in values if name.startswith(("CSM_FILTER_", "CSM_WEIGHTS_", "CSM_SELECT_", "CSM_BLEND_",
+               "CSM_OUT_OF_RANGE_", "CSM_BIAS_", "CSM_NORMAL_OFFSET_", "CSM_LAYOUT_")) and name not in macros]
+    assert not wrong and not missing, f"csm_enums.h and csm.h differ: {wrong + missing}"
 
 
 def compile_case(folder, source, stage, defines):
@@ -150,8 +178,8 @@ def compile_case(folder, source, stage, defines):
 
 def check_layout(text):
     """The block begins at 0, and is CSM_C_COUNT float4 that lie 16 bytes apart."""
-    length = re.search(rf"(%\d+) = OpConstant %\d+ {count}\n", text)[1]
-    array = re.search(rf"(%\d+) = OpTypeArray %\d+ {length}\n", text)[1]
+    lengths = "|".join(re.findall(rf"(%\d+) = OpConstant %\d+ {count}\n", text))
+    array = re.search(rf"(%\d+) = OpTypeArray %\d+ (?:{lengths})\n", text)[1]
     block = re.search(rf"(%\d+) = OpTypeStruct {array}\n", text)[1]
     assert f"OpDecorate {array} ArrayStride 16\n" in text, "another stride"
     assert f"OpMemberDecorate {block} 0 Offset 0\n" in text, "another offset"
@@ -182,6 +210,7 @@ def refuses(source, value):
         return False
 
 
+check_enumerations()
 with concurrent.futures.ThreadPoolExecutor(2) as pool:
     failed = sum(pool.map(check_case, cases.items()))
 for source in (hlsl, glsl):

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 """
-exports.py INCLUDE LIBCSM BACKEND...: what the libraries export is what exports.txt lists, and what the headers declare;
-what they take from other libraries is no more than they should.
+exports.py HEADERS LIBCSM BACKEND...: what the libraries export is what exports.txt lists, and what the headers in the
+folder HEADERS declare; what they take from other libraries is no more than they should.
 """
 import pathlib
 import re
 import subprocess
 import sys
 
-include, libcsm, *backends = sys.argv[1:]
+headers, libcsm, *backends = sys.argv[1:]
 listed = {"libcsm": set(), "backend": set()}
 for line in (pathlib.Path(__file__).parent / "exports.txt").read_text().splitlines():
     kind, name = line.split()
@@ -36,8 +36,8 @@ def needed(library):
     return {name for name in re.findall(r"NEEDED\s+(\S+)", text) if not re.match(r"lib(asan|ubsan|tsan)\.so", name)}
 
 
-headers = "".join(path.read_text() for path in sorted(pathlib.Path(include).glob("*.h")))
-compare("the headers", listed["libcsm"], set(re.findall(r"CSM_API [^;]*?CSM_CALL (csm_\w+)\(", headers)))
+declared = "".join(header.read_text() for header in sorted(pathlib.Path(headers).glob("*.h")))
+compare("csm.h", listed["libcsm"], set(re.findall(r"CSM_API [^;]*?CSM_CALL (csm_\w+)\(", declared)))
 compare(libcsm, listed["libcsm"], exported(libcsm))
 system = {"libc.so.6", "libm.so.6", "libdl.so.2", "libpthread.so.0", "ld-linux-x86-64.so.2", "ld-linux-aarch64.so.1"}
 problems += [f"{libcsm}: links {name}" for name in sorted(needed(libcsm) - system)]

@@ -71,7 +71,7 @@ static void change_something(world *w) {
   some_transforms(w, rows, most);
   for (int i = 0; i < most; ++i) {
     meshes[i] = w->names[random_below(&w->random, mesh_count)];
-    flags[i] = random_below(&w->random, PLAN_FLAGS + 1);
+    flags[i] = (uint32_t[]){0, 0, PLAN_CASTS_ONLY, PLAN_RECEIVES_ONLY, PLAN_HIDDEN}[random_below(&w->random, 5)];
   }
   const instances_transforms transforms = {.first = rows, .stride = sizeof *rows, .floats = true};
   if (kind < 2 && w->count + some <= most) {

@@ -1,6 +1,6 @@
 /*
  * Instances whose transform turns faces around: drawn apart by a cascade, which may leave faces out, whatever
- * face_culling is; a closed mesh's are left out without it.
+ * face_culling is; a watertight mesh's are left out without it.
  */
 #include "support.h"
 

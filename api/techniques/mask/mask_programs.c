@@ -12,21 +12,11 @@ typedef struct mask_key {
   uint64_t normals;
 } mask_key;
 
-static bool maps_alike(const csm_config *config) {
-  if (config->map_layout != CSM_LAYOUT_ARRAY)
-    return false;
-  for (uint32_t i = 1; i < config->cascade_count; ++i)
-    if (plan_resolution(config, i) != plan_resolution(config, 0))
-      return false;
-  return true;
-}
-
 /* Whether the programs do that leave out what few configurations ask for. */
 static bool is_plain(const csm_config *config) {
-  const bool texels_only = config->bias_constant_m == 0.0 && config->bias_slope_range == 0.0 &&
-                           config->bias_limit_range == 0.0 && config->bias_normal_texels == 0.0;
   return config->cascade_count <= PLAIN_CASCADES && config->selection == CSM_SELECT_MAP &&
-         config->blend_mode == CSM_BLEND_OFF && texels_only && !config->map_reversed && maps_alike(config);
+         config->blend_mode == CSM_BLEND_OFF && config->bias_normal_texels == 0.0 && plan_bias_in_texels(config) &&
+         !config->map_reversed && plan_maps_alike(config);
 }
 
 static uint64_t variant_of(const csm_config *config, bool normals) {
@@ -52,8 +42,17 @@ static csm_result make(gpu gpu, const void *about, gpu_program **out) {
   return gpu_program_create(gpu, &info, out);
 }
 
+static mask_key key_of(const csm_config *config, bool normals, bool shows) {
+  return (mask_key){.variant = shows ? 0 : variant_of(config, normals), .normals = normals && !shows};
+}
+
+csm_result mask_program_create(gpu gpu, const csm_config *config, bool normals, bool shows, gpu_program **out) {
+  const mask_key key = key_of(config, normals, shows);
+  return make(gpu, &key, out);
+}
+
 csm_result mask_program(device *device, const csm_config *config, bool normals, bool shows, gpu_program **out) {
-  const mask_key about = {.variant = shows ? 0 : variant_of(config, normals), .normals = normals && !shows};
+  const mask_key about = key_of(config, normals, shows);
   const program_key key = {.make = make, .name = "a mask program", .about = &about, .size = sizeof about};
   return programs_find(device, &key, out);
 }

@@ -127,6 +127,11 @@ static void stores_as_told(fixture *f) {
   bind_in_pass(f, f->storing, f->stores, f->stores);
 }
 
+static void stores_to_its_target(fixture *f) {
+  gpu_pass_begin(f->g, &(gpu_pass_info){.target = f->level_1, .color_load = GPU_LOAD_CLEAR, .stores = f->computes});
+  gpu_pass_end(f->g);
+}
+
 static void draws_from_what_it_stores(fixture *f) {
   begin_level_1(f, GPU_LOAD_CLEAR);
   gpu_pass_end(f->g);
@@ -211,6 +216,7 @@ void test_passes(void **state) {
       {reads_its_target, "pass_bind: a texture is the pass's target"},
       {stores_untold, "pass_bind: it stores to what pass_begin was not told of"},
       {stores_as_told, NULL},
+      {stores_to_its_target, "pass_begin: it stores to its target"},
       {draws_from_what_it_stores, "pass_draw: it reads a buffer that the pass stores to"},
       {begins_in_a_pass, "pass_begin: not between begin and end, or in a pass"},
       {begins_beyond, "pass_begin: beyond the target, or empty"},

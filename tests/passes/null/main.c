@@ -2,7 +2,7 @@
    Breaches are rows: what is done, and the words that it is told of with. */
 #include "null_test.h"
 
-#include "../tools/gpu_host.h"
+#include "../../tools/gpu_host.h"
 
 #include <dlfcn.h>
 #include <stdlib.h>
