@@ -47,10 +47,8 @@ enum { EYES = 3 };
 static void make_eyes(fixture *f, eye eyes[EYES]) {
   static const uint32_t sizes[EYES][2] = {{160, 100}, {160, 100}, {33, 57}};
   for (int i = 0; i < EYES; ++i) {
-    eyes[i] = (eye){.view = support_view(f->context),
-                    .shot = f->scene.shot,
-                    .width = sizes[i][0],
-                    .height = sizes[i][1]};
+    eyes[i] =
+        (eye){.view = support_view(f->context), .shot = f->scene.shot, .width = sizes[i][0], .height = sizes[i][1]};
     eyes[i].shot.frame.instances = f->scene.instances;
   }
   eyes[1].shot.camera.view[12] -= 0.064;
