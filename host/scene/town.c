@@ -334,12 +334,7 @@ static void add_meadow(scene *s) {
       builder_color(&b, 0.09f + 0.07f * dry, 0.14f + 0.03f * dry, 0.045f + 0.02f * dry);
       builder_vertex(&b, x, -0.35 + beyond * (0.06 + 0.09 * noise_fractal(x / 120.0, z / 120.0, 3, 4)), z);
     }
-  for (uint32_t j = 0; j < cells; j++)
-    for (uint32_t i = 0; i < cells; i++) {
-      const uint32_t at = j * (cells + 1) + i, below = at + cells + 1;
-      builder_triangle(&b, at, below, below + 1);
-      builder_triangle(&b, at, below + 1, at + 1);
-    }
+  builder_cells(&b, cells);
   double transform[16];
   mat_identity(transform);
   scene_add_instance(s, builder_finish(&b, s, "meadow", 4, true), transform);
