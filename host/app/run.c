@@ -23,17 +23,6 @@ typedef struct run {
   agreement agreement; /* with two */
 } run;
 
-/* All are opened before anything is drawn, so that a missing one is told at once. */
-static int open_all(run *r) {
-  for (int i = 0; i < HOST_BACKENDS; i++)
-    if (r->options->backends[i]) {
-      const int code = stage_open(&r->stages[r->count++], host_backend_names[i], r->options->device);
-      if (code)
-        return code;
-    }
-  return 0;
-}
-
 static int draw_all(run *r) {
   for (uint32_t i = 0; i < r->count; i++) {
     char text[64];
@@ -287,8 +276,8 @@ int run_command(const host_options *options) {
   run *r = host_allocate(1, sizeof *r);
   r->options = options;
   int code = setup_load(&r->setup, options);
-  if (code == 0)
-    code = open_all(r);
+  if (code == 0) /* before anything is drawn, so that a missing one is told at once */
+    code = stage_open_all(r->stages, &r->count, options);
   if (code == 0)
     code = draw_all(r);
   if (code == 0 && r->count == 2)

@@ -80,3 +80,21 @@ int host_make_folder(const char *path) {
     return host_fail(HOST_BAD_INPUT, "not a folder: '%s'", path);
   return 0;
 }
+
+char *host_read_file(const char *path, size_t *size) {
+  FILE *file = fopen(path, "rb");
+  if (!file)
+    return NULL;
+  size_t capacity = 0, count = 0, read;
+  char *bytes = NULL;
+  do {
+    bytes = host_grow(bytes, &capacity, count + 65536, 1);
+    read = fread(bytes + count, 1, 65535, file);
+    count += read;
+  } while (read > 0);
+  bytes[count] = '\0';
+  fclose(file);
+  if (size)
+    *size = count;
+  return bytes;
+}

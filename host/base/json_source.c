@@ -24,20 +24,9 @@ int json_source_fail(const json_source *from, const char *key, const char *probl
 }
 
 static char *read_text(const char *name, const char *path) {
-  FILE *file = fopen(path, "rb");
-  if (!file) {
+  char *text = host_read_file(path, NULL);
+  if (!text)
     host_fail(HOST_BAD_INPUT, "%s: cannot open '%s': %s", name, path, strerror(errno));
-    return NULL;
-  }
-  size_t capacity = 0, count = 0, read;
-  char *text = NULL;
-  do {
-    text = host_grow(text, &capacity, count + 65536, 1);
-    read = fread(text + count, 1, 65535, file);
-    count += read;
-  } while (read > 0);
-  text[count] = '\0';
-  fclose(file);
   return text;
 }
 

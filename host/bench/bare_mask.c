@@ -5,7 +5,7 @@
 #include "csm_constants.h"
 #include "base/host.h"
 #include "shader_code.h"
-#include "bench/vulkan_memory.h"
+#include "bench/vulkan_commands.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,24 +14,12 @@
 /* Where shaders/compile.py puts textures and samplers. */
 enum { first_texture = 16, first_sampler = 48, camera_offset = 1024, block_bytes = 1280 };
 
-typedef struct bare_image {
-  VkImage image;
-  VkDeviceMemory memory;
-  VkImageView view;
-} bare_image;
-
-typedef struct bare_buffer {
-  VkBuffer buffer;
-  VkDeviceMemory memory;
-  void *mapped;
-} bare_buffer;
-
 struct bare_mask {
   bare_mask_info info;
   vulkan_device vulkan;
   VkDevice device; /* of it */
-  bare_image depth, maps, mask;
-  bare_buffer upload, blocks, read_back;
+  vulkan_image depth, maps, mask;
+  vulkan_buffer upload, blocks, read_back;
   VkSampler samplers[2]; /* point; comparing, linear */
   VkDescriptorSetLayout set_layout;
   VkDescriptorPool descriptors;
@@ -40,54 +28,28 @@ struct bare_mask {
   VkFramebuffer framebuffer;
   VkPipelineLayout layout;
   VkPipeline pipelines[BARE_PASSES];
-  VkCommandPool pool;
-  VkCommandBuffer commands;
-  VkFence fence;
-  VkQueryPool queries;
+  vulkan_commands commands;
 };
-
-/* ---- images and buffers ---- */
-
-static VkResult make_image(bare_mask *m, bare_image *out, VkFormat format, uint32_t width, uint32_t height,
-                           uint32_t layers, VkImageUsageFlags usage) {
-  const VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
-                                  .imageType = VK_IMAGE_TYPE_2D,
-                                  .format = format,
-                                  .extent = {width, height, 1},
-                                  .mipLevels = 1,
-                                  .arrayLayers = layers,
-                                  .samples = VK_SAMPLE_COUNT_1_BIT,
-                                  .usage = usage};
-  const VkResult result = vulkan_image(&m->vulkan, &info, &out->image, &out->memory);
-  const bool is_depth = format == VK_FORMAT_D32_SFLOAT;
-  const VkImageViewCreateInfo view = {
-      .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
-      .image = out->image,
-      .viewType = out == &m->maps ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
-      .format = format,
-      .subresourceRange = {is_depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, layers}};
-  return result ? result : vkCreateImageView(m->device, &view, NULL, &out->view);
-}
-
-static VkResult make_buffer(bare_mask *m, bare_buffer *out, VkDeviceSize size, VkBufferUsageFlags usage) {
-  return vulkan_buffer(&m->vulkan, size, usage, &out->buffer, &out->memory, &out->mapped);
-}
 
 static VkResult make_resources(bare_mask *m) {
   const uint32_t width = m->info.width, height = m->info.height, side = m->info.resolution;
   const VkDeviceSize pixels = (VkDeviceSize)width * height, texels = (VkDeviceSize)side * side;
   const VkImageUsageFlags read = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
   const VkImageUsageFlags drawn = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
-  VkResult result = make_image(m, &m->depth, VK_FORMAT_D32_SFLOAT, width, height, 1, read);
+  const vulkan_image_info images[] = {{VK_FORMAT_D32_SFLOAT, width, height, 0, read},
+                                      {VK_FORMAT_D32_SFLOAT, side, side, m->info.cascade_count, read},
+                                      {VK_FORMAT_R8_UNORM, width, height, 0, drawn}};
+  vulkan_image *const made[] = {&m->depth, &m->maps, &m->mask};
+  const vulkan_device *vulkan = &m->vulkan;
+  VkResult result = VK_SUCCESS;
+  for (int i = 0; i < 3 && !result; ++i)
+    result = vulkan_image_open(made[i], vulkan, &images[i]);
   if (!result)
-    result = make_image(m, &m->maps, VK_FORMAT_D32_SFLOAT, side, side, m->info.cascade_count, read);
+    result = vulkan_buffer_open(&m->upload, vulkan, 4 * (pixels > texels ? pixels : texels),
+                                VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
   if (!result)
-    result = make_image(m, &m->mask, VK_FORMAT_R8_UNORM, width, height, 1, drawn);
-  if (!result)
-    result = make_buffer(m, &m->upload, 4 * (pixels > texels ? pixels : texels), VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
-  if (!result)
-    result = make_buffer(m, &m->blocks, block_bytes, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT);
-  return result ? result : make_buffer(m, &m->read_back, pixels, VK_BUFFER_USAGE_TRANSFER_DST_BIT);
+    result = vulkan_buffer_open(&m->blocks, vulkan, block_bytes, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT);
+  return result ? result : vulkan_buffer_open(&m->read_back, vulkan, pixels, VK_BUFFER_USAGE_TRANSFER_DST_BIT);
 }
 
 /* ---- bindings and pipelines ---- */
@@ -268,38 +230,7 @@ static VkResult make_pipelines(bare_mask *m) {
 /* ---- commands ---- */
 
 static VkResult make_commands(bare_mask *m) {
-  const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
-                                        .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
-                                        .queueFamilyIndex = m->vulkan.family};
-  VkResult result = vkCreateCommandPool(m->device, &pool, NULL, &m->pool);
-  if (result)
-    return result;
-  const VkCommandBufferAllocateInfo commands = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
-                                                .commandPool = m->pool,
-                                                .level = VK_COMMAND_BUFFER_LEVEL_PRIMARY,
-                                                .commandBufferCount = 1};
-  result = vkAllocateCommandBuffers(m->device, &commands, &m->commands);
-  const VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
-  if (!result)
-    result = vkCreateFence(m->device, &fence, NULL, &m->fence);
-  return result ? result : vulkan_timestamps(&m->vulkan, 2, &m->queries);
-}
-
-static VkResult begin(bare_mask *m) {
-  const VkCommandBufferBeginInfo info = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
-                                         .flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT};
-  return vkBeginCommandBuffer(m->commands, &info);
-}
-
-static VkResult finish(bare_mask *m) {
-  const VkSubmitInfo submit = {
-      .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &m->commands};
-  VkResult result = vkEndCommandBuffer(m->commands);
-  if (!result)
-    result = vkQueueSubmit(m->vulkan.queue, 1, &submit, m->fence);
-  if (!result)
-    result = vkWaitForFences(m->device, 1, &m->fence, VK_TRUE, UINT64_MAX);
-  return result ? result : vkResetFences(m->device, 1, &m->fence);
+  return vulkan_commands_open(&m->commands, &m->vulkan);
 }
 
 static void transition(bare_mask *m, VkImage image, uint32_t layer, bool written) {
@@ -313,8 +244,8 @@ static void transition(bare_mask *m, VkImage image, uint32_t layer, bool written
       .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
       .image = image,
       .subresourceRange = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 1, layer, 1}};
-  vkCmdPipelineBarrier(m->commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0, NULL,
-                       0, NULL, 1, &info);
+  vkCmdPipelineBarrier(m->commands.buffer, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0,
+                       NULL, 0, NULL, 1, &info);
 }
 
 static VkResult upload(bare_mask *m, VkImage image, uint32_t layer, uint32_t width, uint32_t height,
@@ -322,13 +253,13 @@ static VkResult upload(bare_mask *m, VkImage image, uint32_t layer, uint32_t wid
   const VkBufferImageCopy region = {.imageSubresource = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, layer, 1},
                                     .imageExtent = {width, height, 1}};
   memcpy(m->upload.mapped, depths, (size_t)width * height * sizeof *depths);
-  const VkResult result = begin(m);
+  const VkResult result = vulkan_commands_begin(&m->commands);
   if (result)
     return result;
   transition(m, image, layer, false);
-  vkCmdCopyBufferToImage(m->commands, m->upload.buffer, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+  vkCmdCopyBufferToImage(m->commands.buffer, m->upload.buffer, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
   transition(m, image, layer, true);
-  return finish(m);
+  return vulkan_commands_finish(&m->commands);
 }
 
 static VkResult upload_all(bare_mask *m) {
@@ -348,29 +279,28 @@ static void record(bare_mask *m, bare_pass pass) {
                                             .renderArea = {{0, 0}, {m->info.width, m->info.height}}};
   const VkBufferImageCopy region = {.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
                                     .imageExtent = {m->info.width, m->info.height, 1}};
-  if (m->queries)
-    vkCmdResetQueryPool(m->commands, m->queries, 0, 2);
-  vulkan_write_timestamp(m->commands, m->queries, 0);
-  vkCmdBeginRenderPass(m->commands, &begin_pass, VK_SUBPASS_CONTENTS_INLINE);
-  vkCmdBindPipeline(m->commands, VK_PIPELINE_BIND_POINT_GRAPHICS, m->pipelines[pass]);
-  vkCmdBindDescriptorSets(m->commands, VK_PIPELINE_BIND_POINT_GRAPHICS, m->layout, 0, 1, &m->set, 0, NULL);
-  vkCmdDraw(m->commands, 3, 1, 0, 0);
-  vkCmdEndRenderPass(m->commands);
-  vulkan_write_timestamp(m->commands, m->queries, 1);
+  const VkCommandBuffer commands = m->commands.buffer;
+  vulkan_commands_stamp(&m->commands, 0);
+  vkCmdBeginRenderPass(commands, &begin_pass, VK_SUBPASS_CONTENTS_INLINE);
+  vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, m->pipelines[pass]);
+  vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, m->layout, 0, 1, &m->set, 0, NULL);
+  vkCmdDraw(commands, 3, 1, 0, 0);
+  vkCmdEndRenderPass(commands);
+  vulkan_commands_stamp(&m->commands, 1);
   const VkMemoryBarrier drawn = {.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
                                  .srcAccessMask = VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
                                  .dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT};
-  vkCmdPipelineBarrier(m->commands, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 1,
+  vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT, VK_PIPELINE_STAGE_TRANSFER_BIT, 0, 1,
                        &drawn, 0, NULL, 0, NULL);
-  vkCmdCopyImageToBuffer(m->commands, m->mask.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, m->read_back.buffer, 1,
+  vkCmdCopyImageToBuffer(commands, m->mask.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, m->read_back.buffer, 1,
                          &region);
 }
 
 double bare_mask_draw(bare_mask *m, bare_pass pass) {
-  if (begin(m))
+  if (vulkan_commands_begin(&m->commands))
     return -1.0;
   record(m, pass);
-  return finish(m) ? -1.0 : vulkan_elapsed_ms(&m->vulkan, m->queries);
+  return vulkan_commands_finish(&m->commands) ? -1.0 : vulkan_commands_ms(&m->commands);
 }
 
 const uint8_t *bare_mask_pixels(const bare_mask *m) {
@@ -398,22 +328,9 @@ int bare_mask_open(bare_mask **out, const bare_mask_info *info, char *error, siz
   return 0;
 }
 
-static void destroy_image(bare_mask *m, bare_image *image) {
-  vkDestroyImageView(m->device, image->view, NULL);
-  vkDestroyImage(m->device, image->image, NULL);
-  vkFreeMemory(m->device, image->memory, NULL);
-}
-
-static void destroy_buffer(bare_mask *m, bare_buffer *buffer) {
-  vkDestroyBuffer(m->device, buffer->buffer, NULL);
-  vkFreeMemory(m->device, buffer->memory, NULL);
-}
-
 static void destroy_objects(bare_mask *m) {
   vkDeviceWaitIdle(m->device);
-  vkDestroyQueryPool(m->device, m->queries, NULL);
-  vkDestroyFence(m->device, m->fence, NULL);
-  vkDestroyCommandPool(m->device, m->pool, NULL);
+  vulkan_commands_close(&m->commands);
   for (int i = 0; i < BARE_PASSES; ++i)
     vkDestroyPipeline(m->device, m->pipelines[i], NULL);
   vkDestroyFramebuffer(m->device, m->framebuffer, NULL);
@@ -423,11 +340,11 @@ static void destroy_objects(bare_mask *m) {
   vkDestroyDescriptorSetLayout(m->device, m->set_layout, NULL);
   for (int i = 0; i < 2; ++i)
     vkDestroySampler(m->device, m->samplers[i], NULL);
-  bare_image *const images[] = {&m->depth, &m->maps, &m->mask};
-  bare_buffer *const buffers[] = {&m->upload, &m->blocks, &m->read_back};
+  const vulkan_image *const images[] = {&m->depth, &m->maps, &m->mask};
+  const vulkan_buffer *const buffers[] = {&m->upload, &m->blocks, &m->read_back};
   for (int i = 0; i < 3; ++i) {
-    destroy_image(m, images[i]);
-    destroy_buffer(m, buffers[i]);
+    vulkan_image_close(images[i], &m->vulkan);
+    vulkan_buffer_close(buffers[i], &m->vulkan);
   }
 }
 

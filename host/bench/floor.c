@@ -11,10 +11,9 @@ struct floor_loop {
   VkDevice device; /* of it */
   vulkan_commands commands;
   floor_casters casters;
-  VkBuffer matrices;
-  VkDeviceMemory matrices_memory, maps_memory;
+  vulkan_buffer matrices;
   VkDeviceSize matrices_offsets[CSM_MAX_CASCADES];
-  VkImage maps;
+  vulkan_image maps;
   VkImageView views[CSM_MAX_CASCADES];
   VkFramebuffer framebuffers[CSM_MAX_CASCADES];
   VkRenderPass pass;
@@ -29,27 +28,21 @@ static VkResult upload_matrices(floor_loop *loop) {
     loop->matrices_offsets[i] = size;
     size += (VkDeviceSize)frame->cascades[i].list.instance_count * floor_matrix_bytes;
   }
-  void *mapped;
-  const VkResult result = vulkan_buffer(&loop->vulkan, size, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, &loop->matrices,
-                                        &loop->matrices_memory, &mapped);
+  const VkResult result = vulkan_buffer_open(&loop->matrices, &loop->vulkan, size, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
   for (uint32_t i = 0; i < frame->cascade_count && !result; ++i)
-    plan_write_cascade_matrices((float *)((char *)mapped + loop->matrices_offsets[i]), frame, i, loop->info.plan_scene);
+    plan_write_cascade_matrices((float *)((char *)loop->matrices.mapped + loop->matrices_offsets[i]), frame, i,
+                                loop->info.plan_scene);
   return result;
 }
 
 static VkResult make_maps(floor_loop *loop) {
-  const VkImageCreateInfo info = {
-      .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
-      .imageType = VK_IMAGE_TYPE_2D,
-      .format = VK_FORMAT_D32_SFLOAT,
-      .extent = {loop->info.resolution, loop->info.resolution, 1},
-      .mipLevels = 1,
-      .arrayLayers = loop->info.frame->cascade_count,
-      .samples = VK_SAMPLE_COUNT_1_BIT,
-      .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
-               VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
-  };
-  return vulkan_image(&loop->vulkan, &info, &loop->maps, &loop->maps_memory);
+  const vulkan_image_info info = {.format = VK_FORMAT_D32_SFLOAT,
+                                  .width = loop->info.resolution,
+                                  .height = loop->info.resolution,
+                                  .layers = loop->info.frame->cascade_count,
+                                  .usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
+                                           VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT};
+  return vulkan_image_open(&loop->maps, &loop->vulkan, &info);
 }
 
 static VkResult make_pass(floor_loop *loop) {
@@ -77,7 +70,7 @@ static VkResult make_pass(floor_loop *loop) {
 static VkResult make_framebuffer(floor_loop *loop, uint32_t layer) {
   const VkImageViewCreateInfo view = {
       .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
-      .image = loop->maps,
+      .image = loop->maps.image,
       .viewType = VK_IMAGE_VIEW_TYPE_2D,
       .format = VK_FORMAT_D32_SFLOAT,
       .subresourceRange = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 1, layer, 1},
@@ -138,9 +131,9 @@ static void record_clear(const floor_loop *loop) {
   const VkImageSubresourceRange all = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 1, 0, VK_REMAINING_ARRAY_LAYERS};
   const VkClearDepthStencilValue far = {.depth = 1};
   const VkCommandBuffer commands = loop->commands.buffer;
-  vulkan_transition(commands, loop->maps, VK_IMAGE_ASPECT_DEPTH_BIT, before, cleared);
-  vkCmdClearDepthStencilImage(commands, loop->maps, cleared.layout, &far, 1, &all);
-  vulkan_transition(commands, loop->maps, VK_IMAGE_ASPECT_DEPTH_BIT, cleared, drawn);
+  vulkan_transition(commands, loop->maps.image, VK_IMAGE_ASPECT_DEPTH_BIT, before, cleared);
+  vkCmdClearDepthStencilImage(commands, loop->maps.image, cleared.layout, &far, 1, &all);
+  vulkan_transition(commands, loop->maps.image, VK_IMAGE_ASPECT_DEPTH_BIT, cleared, drawn);
 }
 
 static void record_draws(const floor_loop *loop, uint32_t cascade) {
@@ -153,7 +146,7 @@ static void record_draws(const floor_loop *loop, uint32_t cascade) {
     const floor_mesh *mesh = &casters->meshes[draw->mesh];
     const bool cut_out = mesh->cut_out != VK_NULL_HANDLE;
     const VkPipeline pipeline = casters->pipelines[cut_out][floor_cull(mesh, draw->mirrored)];
-    const VkBuffer buffers[] = {casters->geometry.buffer, loop->matrices, casters->geometry.buffer};
+    const VkBuffer buffers[] = {casters->geometry.buffer, loop->matrices.buffer, casters->geometry.buffer};
     const VkDeviceSize first = (VkDeviceSize)draw->first * floor_matrix_bytes;
     const VkDeviceSize offsets[] = {mesh->vertices, loop->matrices_offsets[cascade] + first, mesh->uvs};
     if (pipeline != current)
@@ -184,9 +177,11 @@ double floor_frame(floor_loop *loop) {
   const double start_ms = host_now_ms();
   if (vulkan_commands_begin(&loop->commands))
     return -1;
+  vulkan_commands_stamp(&loop->commands, 0);
   record_clear(loop);
   for (uint32_t i = 0; i < loop->info.frame->cascade_count; ++i)
     record_cascade(loop, i);
+  vulkan_commands_stamp(&loop->commands, 1);
   return vulkan_commands_finish(&loop->commands) ? -1 : host_now_ms() - start_ms;
 }
 
@@ -201,22 +196,19 @@ bool floor_read(floor_loop *loop, uint32_t cascade, float *out) {
   const VkDeviceSize size = (VkDeviceSize)side * side * sizeof *out;
   const VkBufferImageCopy region = {.imageSubresource = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, cascade, 1},
                                     .imageExtent = {side, side, 1}};
-  VkBuffer buffer = VK_NULL_HANDLE;
-  VkDeviceMemory memory = VK_NULL_HANDLE;
-  void *mapped;
-  VkResult result = vulkan_buffer(&loop->vulkan, size, VK_BUFFER_USAGE_TRANSFER_DST_BIT, &buffer, &memory, &mapped);
+  vulkan_buffer buffer;
+  VkResult result = vulkan_buffer_open(&buffer, &loop->vulkan, size, VK_BUFFER_USAGE_TRANSFER_DST_BIT);
   if (!result)
     result = vulkan_commands_begin(&loop->commands);
   if (!result) {
-    vulkan_transition(loop->commands.buffer, loop->maps, VK_IMAGE_ASPECT_DEPTH_BIT, drawn, copied);
-    vkCmdCopyImageToBuffer(loop->commands.buffer, loop->maps, copied.layout, buffer, 1, &region);
-    vulkan_transition(loop->commands.buffer, loop->maps, VK_IMAGE_ASPECT_DEPTH_BIT, copied, drawn);
+    vulkan_transition(loop->commands.buffer, loop->maps.image, VK_IMAGE_ASPECT_DEPTH_BIT, drawn, copied);
+    vkCmdCopyImageToBuffer(loop->commands.buffer, loop->maps.image, copied.layout, buffer.buffer, 1, &region);
+    vulkan_transition(loop->commands.buffer, loop->maps.image, VK_IMAGE_ASPECT_DEPTH_BIT, copied, drawn);
     result = vulkan_commands_finish(&loop->commands);
   }
   if (!result)
-    memcpy(out, mapped, size);
-  vkDestroyBuffer(loop->device, buffer, NULL);
-  vkFreeMemory(loop->device, memory, NULL);
+    memcpy(out, buffer.mapped, size);
+  vulkan_buffer_close(&buffer, &loop->vulkan);
   return !result;
 }
 
@@ -229,10 +221,8 @@ static void destroy_objects(floor_loop *loop) {
     vkDestroyImageView(loop->device, loop->views[i], NULL);
   }
   vkDestroyRenderPass(loop->device, loop->pass, NULL);
-  vkDestroyImage(loop->device, loop->maps, NULL);
-  vkDestroyBuffer(loop->device, loop->matrices, NULL);
-  vkFreeMemory(loop->device, loop->maps_memory, NULL);
-  vkFreeMemory(loop->device, loop->matrices_memory, NULL);
+  vulkan_image_close(&loop->maps, &loop->vulkan);
+  vulkan_buffer_close(&loop->matrices, &loop->vulkan);
 }
 
 void floor_close(floor_loop *loop) {

@@ -18,15 +18,6 @@ VkCullModeFlags floor_cull(const floor_mesh *mesh, bool mirrored) {
 
 /* ---- meshes ---- */
 
-static VkResult make_buffer(const floor_casters *c, floor_buffer *out, VkDeviceSize size, VkBufferUsageFlags usage) {
-  return vulkan_buffer(c->vulkan, size, usage, &out->buffer, &out->memory, &out->mapped);
-}
-
-static void free_buffer(const floor_casters *c, const floor_buffer *buffer) {
-  vkDestroyBuffer(c->vulkan->device, buffer->buffer, NULL);
-  vkFreeMemory(c->vulkan->device, buffer->memory, NULL);
-}
-
 /* Places a mesh at `at`, and returns where the next one begins. */
 static VkDeviceSize lay_out(floor_mesh *out, const scene *s, const scene_mesh *mesh, VkDeviceSize at) {
   const bool cut_out = scene_cut_out(s, mesh) != NULL;
@@ -50,8 +41,8 @@ static VkResult upload_meshes(floor_casters *c, const scene *s, const plan_bound
   c->meshes = host_allocate(s->mesh_count, sizeof *c->meshes);
   for (size_t i = 0; i < s->mesh_count; ++i)
     size = lay_out(&c->meshes[i], s, &s->meshes[i], size);
-  const VkResult result =
-      make_buffer(c, &c->geometry, size, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
+  const VkResult result = vulkan_buffer_open(&c->geometry, c->vulkan, size,
+                                             VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
   for (size_t i = 0; i < s->mesh_count && !result; ++i) {
     const scene_mesh *mesh = &s->meshes[i];
     const floor_mesh *to = &c->meshes[i];
@@ -66,25 +57,7 @@ static VkResult upload_meshes(floor_casters *c, const scene *s, const plan_bound
 
 /* ---- alpha masks ---- */
 
-static VkResult make_image(const floor_casters *c, floor_image *out, const scene_alpha_mask *mask) {
-  const VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
-                                  .imageType = VK_IMAGE_TYPE_2D,
-                                  .format = VK_FORMAT_R8_UNORM,
-                                  .extent = {mask->width, mask->height, 1},
-                                  .mipLevels = 1,
-                                  .arrayLayers = 1,
-                                  .samples = VK_SAMPLE_COUNT_1_BIT,
-                                  .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
-  const VkResult result = vulkan_image(c->vulkan, &info, &out->image, &out->memory);
-  const VkImageViewCreateInfo view = {.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
-                                      .image = out->image,
-                                      .viewType = VK_IMAGE_VIEW_TYPE_2D,
-                                      .format = VK_FORMAT_R8_UNORM,
-                                      .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1}};
-  return result ? result : vkCreateImageView(c->vulkan->device, &view, NULL, &out->view);
-}
-
-static VkResult upload_image(const floor_casters *c, floor_image *out, const scene_alpha_mask *mask,
+static VkResult upload_image(const floor_casters *c, vulkan_image *out, const scene_alpha_mask *mask,
                              vulkan_commands *commands) {
   static const vulkan_use nothing = {VK_IMAGE_LAYOUT_UNDEFINED, VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT, 0};
   static const vulkan_use written = {VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, VK_PIPELINE_STAGE_TRANSFER_BIT,
@@ -92,10 +65,14 @@ static VkResult upload_image(const floor_casters *c, floor_image *out, const sce
   static const vulkan_use read = {VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
                                   VK_ACCESS_SHADER_READ_BIT};
   const size_t size = (size_t)mask->width * mask->height;
-  floor_buffer staging = {0};
-  VkResult result = make_image(c, out, mask);
+  const vulkan_image_info info = {.format = VK_FORMAT_R8_UNORM,
+                                  .width = mask->width,
+                                  .height = mask->height,
+                                  .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT};
+  vulkan_buffer staging = {0};
+  VkResult result = vulkan_image_open(out, c->vulkan, &info);
   if (!result)
-    result = make_buffer(c, &staging, size, VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
+    result = vulkan_buffer_open(&staging, c->vulkan, size, VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
   if (!result)
     result = vulkan_commands_begin(commands);
   if (!result) {
@@ -107,7 +84,7 @@ static VkResult upload_image(const floor_casters *c, floor_image *out, const sce
     vulkan_transition(commands->buffer, out->image, VK_IMAGE_ASPECT_COLOR_BIT, written, read);
     result = vulkan_commands_finish(commands);
   }
-  free_buffer(c, &staging);
+  vulkan_buffer_close(&staging, c->vulkan);
   return result;
 }
 
@@ -190,7 +167,8 @@ VkResult floor_casters_open(floor_casters *out, vulkan_commands *commands, const
                          .image_count = s->material_count};
   VkResult result = upload_meshes(out, s, bounds);
   if (!result)
-    result = make_buffer(out, &out->constants, s->material_count * block_stride, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT);
+    result = vulkan_buffer_open(&out->constants, vulkan, s->material_count * block_stride,
+                                VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT);
   if (!result)
     result = make_layouts(out, (uint32_t)s->mesh_count);
   for (size_t i = 0; i < s->mesh_count && !result; ++i)
@@ -298,13 +276,10 @@ void floor_casters_close(floor_casters *c) {
   vkDestroyPipelineLayout(device, c->layout, NULL);
   vkDestroyDescriptorPool(device, c->descriptors, NULL);
   vkDestroyDescriptorSetLayout(device, c->set_layout, NULL);
-  for (size_t i = 0; i < c->image_count; ++i) {
-    vkDestroyImageView(device, c->images[i].view, NULL);
-    vkDestroyImage(device, c->images[i].image, NULL);
-    vkFreeMemory(device, c->images[i].memory, NULL);
-  }
-  free_buffer(c, &c->geometry);
-  free_buffer(c, &c->constants);
+  for (size_t i = 0; i < c->image_count; ++i)
+    vulkan_image_close(&c->images[i], c->vulkan);
+  vulkan_buffer_close(&c->geometry, c->vulkan);
+  vulkan_buffer_close(&c->constants, c->vulkan);
   free(c->meshes);
   free(c->images);
 }

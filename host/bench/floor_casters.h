@@ -15,24 +15,12 @@ typedef struct floor_mesh {
   VkDescriptorSet cut_out; /* VK_NULL_HANDLE: opaque */
 } floor_mesh;
 
-typedef struct floor_buffer {
-  VkBuffer buffer;
-  VkDeviceMemory memory;
-  void *mapped;
-} floor_buffer;
-
-typedef struct floor_image {
-  VkImage image;
-  VkDeviceMemory memory;
-  VkImageView view;
-} floor_image;
-
 typedef struct floor_casters {
   const vulkan_device *vulkan;
-  floor_mesh *meshes;  /* as many as the scene's */
-  floor_image *images; /* of its materials; empty where they cut nothing out */
+  floor_mesh *meshes;   /* as many as the scene's */
+  vulkan_image *images; /* of its materials; empty where they cut nothing out */
   size_t image_count;
-  floor_buffer geometry, constants;
+  vulkan_buffer geometry, constants;
   VkDescriptorSetLayout set_layout;
   VkDescriptorPool descriptors;
   VkPipelineLayout layout;

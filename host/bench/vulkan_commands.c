@@ -33,15 +33,16 @@ VkResult vulkan_commands_begin(vulkan_commands *c) {
   const VkResult result = vkBeginCommandBuffer(c->buffer, &info);
   if (!result && c->queries)
     vkCmdResetQueryPool(c->buffer, c->queries, 0, 2);
-  if (!result)
-    vulkan_write_timestamp(c->buffer, c->queries, 0);
   return result;
+}
+
+void vulkan_commands_stamp(vulkan_commands *c, uint32_t index) {
+  vulkan_write_timestamp(c->buffer, c->queries, index);
 }
 
 VkResult vulkan_commands_finish(vulkan_commands *c) {
   const VkSubmitInfo submit = {
       .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, .commandBufferCount = 1, .pCommandBuffers = &c->buffer};
-  vulkan_write_timestamp(c->buffer, c->queries, 1);
   VkResult result = vkEndCommandBuffer(c->buffer);
   if (!result)
     result = vkQueueSubmit(c->vulkan->queue, 1, &submit, c->fence);

@@ -9,7 +9,7 @@ typedef struct vulkan_commands {
   VkCommandPool pool;
   VkCommandBuffer buffer;
   VkFence fence;
-  VkQueryPool queries; /* before and after */
+  VkQueryPool queries; /* the stamps */
 } vulkan_commands;
 
 /* `vulkan` must outlive it. vulkan_commands_close is allowed after an error, too. */
@@ -17,9 +17,11 @@ VkResult vulkan_commands_open(vulkan_commands *out, const vulkan_device *vulkan)
 void vulkan_commands_close(vulkan_commands *c);
 
 VkResult vulkan_commands_begin(vulkan_commands *c);
+/* Where what is timed begins (0), and ends (1). Outside passes. */
+void vulkan_commands_stamp(vulkan_commands *c, uint32_t index);
 /* Submits, and waits. */
 VkResult vulkan_commands_finish(vulkan_commands *c);
-/* Milliseconds that the last ones took on the GPU; negative where the queue has no timestamps. */
+/* Milliseconds on the GPU from stamp to stamp; negative where the queue has no timestamps. */
 double vulkan_commands_ms(const vulkan_commands *c);
 
 /* How an image was used, or will be. */

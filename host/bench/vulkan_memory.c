@@ -1,4 +1,5 @@
 #include "bench/vulkan_memory.h"
+#include <stdbool.h>
 
 static uint32_t memory_type(const vulkan_device *vulkan, uint32_t allowed, VkMemoryPropertyFlags wanted) {
   VkPhysicalDeviceMemoryProperties memory;
@@ -9,7 +10,8 @@ static uint32_t memory_type(const vulkan_device *vulkan, uint32_t allowed, VkMem
   return UINT32_MAX;
 }
 
-VkResult vulkan_allocate(const vulkan_device *vulkan, const VkMemoryRequirements *needs, VkMemoryPropertyFlags wanted,
+/* Of a type that has what is wanted, the device's own where there is such. */
+static VkResult allocate(const vulkan_device *vulkan, const VkMemoryRequirements *needs, VkMemoryPropertyFlags wanted,
                          VkDeviceMemory *out) {
   uint32_t type = memory_type(vulkan, needs->memoryTypeBits, wanted | VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
   if (type == UINT32_MAX)
@@ -19,33 +21,65 @@ VkResult vulkan_allocate(const vulkan_device *vulkan, const VkMemoryRequirements
   return vkAllocateMemory(vulkan->device, &info, NULL, out);
 }
 
-VkResult vulkan_buffer(const vulkan_device *vulkan, VkDeviceSize size, VkBufferUsageFlags usage, VkBuffer *buffer,
-                       VkDeviceMemory *memory, void **mapped) {
+VkResult vulkan_buffer_open(vulkan_buffer *out, const vulkan_device *vulkan, VkDeviceSize size,
+                            VkBufferUsageFlags usage) {
+  const VkMemoryPropertyFlags seen = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
   const VkBufferCreateInfo info = {
       .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = size ? size : 1, .usage = usage};
-  VkResult result = vkCreateBuffer(vulkan->device, &info, NULL, buffer);
+  *out = (vulkan_buffer){0};
+  VkResult result = vkCreateBuffer(vulkan->device, &info, NULL, &out->buffer);
   if (result)
     return result;
   VkMemoryRequirements needs;
-  vkGetBufferMemoryRequirements(vulkan->device, *buffer, &needs);
-  result = vulkan_allocate(vulkan, &needs, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
-                           memory);
+  vkGetBufferMemoryRequirements(vulkan->device, out->buffer, &needs);
+  result = allocate(vulkan, &needs, seen, &out->memory);
   if (!result)
-    result = vkBindBufferMemory(vulkan->device, *buffer, *memory, 0);
-  if (!result)
-    result = vkMapMemory(vulkan->device, *memory, 0, VK_WHOLE_SIZE, 0, mapped);
-  return result;
+    result = vkBindBufferMemory(vulkan->device, out->buffer, out->memory, 0);
+  return result ? result : vkMapMemory(vulkan->device, out->memory, 0, VK_WHOLE_SIZE, 0, &out->mapped);
 }
 
-VkResult vulkan_image(const vulkan_device *vulkan, const VkImageCreateInfo *info, VkImage *image,
-                      VkDeviceMemory *memory) {
-  VkResult result = vkCreateImage(vulkan->device, info, NULL, image);
+void vulkan_buffer_close(const vulkan_buffer *buffer, const vulkan_device *vulkan) {
+  vkDestroyBuffer(vulkan->device, buffer->buffer, NULL);
+  vkFreeMemory(vulkan->device, buffer->memory, NULL);
+}
+
+static VkResult create_view(vulkan_image *out, const vulkan_device *vulkan, const vulkan_image_info *info) {
+  const bool is_depth = info->format == VK_FORMAT_D32_SFLOAT;
+  const VkImageViewCreateInfo view = {
+      .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+      .image = out->image,
+      .viewType = info->layers ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
+      .format = info->format,
+      .subresourceRange = {is_depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0,
+                           VK_REMAINING_ARRAY_LAYERS}};
+  return vkCreateImageView(vulkan->device, &view, NULL, &out->view);
+}
+
+VkResult vulkan_image_open(vulkan_image *out, const vulkan_device *vulkan, const vulkan_image_info *info) {
+  const VkImageCreateInfo create = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+                                    .imageType = VK_IMAGE_TYPE_2D,
+                                    .format = info->format,
+                                    .extent = {info->width, info->height, 1},
+                                    .mipLevels = 1,
+                                    .arrayLayers = info->layers ? info->layers : 1,
+                                    .samples = VK_SAMPLE_COUNT_1_BIT,
+                                    .usage = info->usage};
+  *out = (vulkan_image){0};
+  VkResult result = vkCreateImage(vulkan->device, &create, NULL, &out->image);
   if (result)
     return result;
   VkMemoryRequirements needs;
-  vkGetImageMemoryRequirements(vulkan->device, *image, &needs);
-  result = vulkan_allocate(vulkan, &needs, 0, memory);
-  return result ? result : vkBindImageMemory(vulkan->device, *image, *memory, 0);
+  vkGetImageMemoryRequirements(vulkan->device, out->image, &needs);
+  result = allocate(vulkan, &needs, 0, &out->memory);
+  if (!result)
+    result = vkBindImageMemory(vulkan->device, out->image, out->memory, 0);
+  return result ? result : create_view(out, vulkan, info);
+}
+
+void vulkan_image_close(const vulkan_image *image, const vulkan_device *vulkan) {
+  vkDestroyImageView(vulkan->device, image->view, NULL);
+  vkDestroyImage(vulkan->device, image->image, NULL);
+  vkFreeMemory(vulkan->device, image->memory, NULL);
 }
 
 VkResult vulkan_shader(const vulkan_device *vulkan, const void *code, size_t size, VkShaderModule *out) {

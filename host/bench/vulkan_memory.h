@@ -5,17 +5,35 @@
 #include "bench/vulkan_device.h"
 #include <stddef.h>
 
-/* Takes memory of a type that has what is wanted, the device's own where there is such. */
-VkResult vulkan_allocate(const vulkan_device *vulkan, const VkMemoryRequirements *needs, VkMemoryPropertyFlags wanted,
-                         VkDeviceMemory *out);
+/* In memory that the host sees. */
+typedef struct vulkan_buffer {
+  VkBuffer buffer;
+  VkDeviceMemory memory;
+  void *mapped;
+} vulkan_buffer;
 
-/* A buffer in memory that the host sees, mapped. */
-VkResult vulkan_buffer(const vulkan_device *vulkan, VkDeviceSize size, VkBufferUsageFlags usage, VkBuffer *buffer,
-                       VkDeviceMemory *memory, void **mapped);
+/* vulkan_buffer_close is allowed after an error, too, and of a buffer that is all zeros. */
+VkResult vulkan_buffer_open(vulkan_buffer *out, const vulkan_device *vulkan, VkDeviceSize size,
+                            VkBufferUsageFlags usage);
+void vulkan_buffer_close(const vulkan_buffer *buffer, const vulkan_device *vulkan);
 
-/* An image with memory of its own. */
-VkResult vulkan_image(const vulkan_device *vulkan, const VkImageCreateInfo *info, VkImage *image,
-                      VkDeviceMemory *memory);
+/* On the device. */
+typedef struct vulkan_image {
+  VkImage image;
+  VkDeviceMemory memory;
+  VkImageView view; /* of all of it */
+} vulkan_image;
+
+typedef struct vulkan_image_info {
+  VkFormat format; /* D32, or a colour */
+  uint32_t width, height;
+  uint32_t layers; /* 0: it is no array */
+  VkImageUsageFlags usage;
+} vulkan_image_info;
+
+/* As for buffers. */
+VkResult vulkan_image_open(vulkan_image *out, const vulkan_device *vulkan, const vulkan_image_info *info);
+void vulkan_image_close(const vulkan_image *image, const vulkan_device *vulkan);
 
 VkResult vulkan_shader(const vulkan_device *vulkan, const void *code, size_t size, VkShaderModule *out);
 

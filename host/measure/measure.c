@@ -28,16 +28,6 @@ typedef struct measurement {
   path_result results[HOST_BACKENDS]; /* along the path */
 } measurement;
 
-static int open_all(measurement *m) {
-  for (int i = 0; i < HOST_BACKENDS; i++)
-    if (m->options->backends[i]) {
-      const int code = stage_open(&m->stages[m->count++], host_backend_names[i], m->options->device);
-      if (code)
-        return code;
-    }
-  return 0;
-}
-
 /* ---- drawing ---- */
 
 static metrics_frame frame_of(const measurement *m, uint32_t i) {
@@ -300,7 +290,7 @@ int measure_command(const host_options *options) {
   if (code == 0)
     code = truth_store_open(&m->store, &m->setup.scene, true, options->cache);
   if (code == 0)
-    code = open_all(m);
+    code = stage_open_all(m->stages, &m->count, options);
   if (code == 0)
     code = m->path.count ? measure_along_path(m) : measure_frame(m);
   for (uint32_t i = 0; i < m->count; i++) {

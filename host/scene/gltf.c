@@ -23,23 +23,6 @@ typedef struct loader {
   uint32_t *meshes; /* ours for each of the file's; UINT32_MAX: it has no triangles */
 } loader;
 
-static bool read_file(const char *path, uint8_t **data, size_t *size) {
-  FILE *file = fopen(path, "rb");
-  if (!file)
-    return false;
-  size_t capacity = 0, count = 0, read;
-  uint8_t *bytes = NULL;
-  do {
-    bytes = host_grow(bytes, &capacity, count + 65536, 1);
-    read = fread(bytes + count, 1, 65536, file);
-    count += read;
-  } while (read > 0);
-  fclose(file);
-  *data = bytes;
-  *size = count;
-  return true;
-}
-
 /* Assimp calls an embedded texture "*" and its number. */
 static const struct aiTexture *embedded_texture(const struct aiScene *file, const char *name) {
   if (name[0] != '*')
@@ -59,7 +42,7 @@ static const void *texture_file(const loader *l, const char *name, size_t *size,
   if (texture)
     return texture->mHeight == 0 ? texture->pcData : NULL;
   if ((size_t)snprintf(path, sizeof path, "%.*s%s", folder, l->path, name) < sizeof path)
-    read_file(path, owned, size);
+    *owned = (uint8_t *)host_read_file(path, size);
   return *owned;
 }
 

@@ -31,6 +31,15 @@ void builder_triangle(mesh_builder *b, uint32_t i, uint32_t j, uint32_t k) {
   b->indices[b->index_count++] = k;
 }
 
+void builder_cells(mesh_builder *b, uint32_t cells) {
+  for (uint32_t j = 0; j < cells; j++)
+    for (uint32_t i = 0; i < cells; i++) {
+      const uint32_t at = j * (cells + 1) + i, below = at + cells + 1;
+      builder_triangle(b, at, below, below + 1);
+      builder_triangle(b, at, below + 1, at + 1);
+    }
+}
+
 void builder_quad(mesh_builder *b, const double corners[4][3]) {
   uint32_t index[4];
   for (int i = 0; i < 4; i++)

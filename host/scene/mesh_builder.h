@@ -15,6 +15,9 @@ typedef struct mesh_builder {
 void builder_color(mesh_builder *b, float red, float green, float blue);
 uint32_t builder_vertex(mesh_builder *b, double x, double y, double z);
 void builder_triangle(mesh_builder *b, uint32_t i, uint32_t j, uint32_t k);
+/* Two triangles for each cell of a grid whose (cells + 1)^2 vertices have been added row by row, z growing with the row
+ * and x within it; they look up. */
+void builder_cells(mesh_builder *b, uint32_t cells);
 /* Corners counter-clockwise, seen from the side that it faces. */
 void builder_quad(mesh_builder *b, const double corners[4][3]);
 void builder_box(mesh_builder *b, const double minimum[3], const double maximum[3]);

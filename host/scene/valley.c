@@ -82,12 +82,7 @@ static void add_ground_tile(scene *s, uint32_t column, uint32_t row) {
       ground_color(&b, x, y, z);
       builder_vertex(&b, i * cell, y, j * cell);
     }
-  for (uint32_t j = 0; j < TILE_CELLS; j++)
-    for (uint32_t i = 0; i < TILE_CELLS; i++) {
-      const uint32_t at = j * (TILE_CELLS + 1) + i, below = at + TILE_CELLS + 1;
-      builder_triangle(&b, at, below, below + 1);
-      builder_triangle(&b, at, below + 1, at + 1);
-    }
+  builder_cells(&b, TILE_CELLS);
   char name[32];
   snprintf(name, sizeof name, "ground %u %u", column, row);
   double transform[16];

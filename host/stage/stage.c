@@ -71,6 +71,15 @@ int stage_open(stage *out, const char *backend, const char *device) {
   return 0;
 }
 
+int stage_open_all(stage stages[HOST_BACKENDS], uint32_t *count, const host_options *options) {
+  int code = 0;
+  *count = 0;
+  for (int i = 0; i < HOST_BACKENDS && code == 0; i++)
+    if (options->backends[i])
+      code = stage_open(&stages[(*count)++], host_backend_names[i], options->device);
+  return code;
+}
+
 void stage_close(stage *s) {
   csm_destroy(s->context);
   assets_free(&s->assets);

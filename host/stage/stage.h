@@ -43,6 +43,9 @@ typedef struct stage_frame {
 /* Opens a device. 0, HOST_NO_DEVICE or HOST_BAD_INPUT after a message; stage_close is always allowed. */
 int stage_open(stage *out, const char *backend, const char *device);
 void stage_close(stage *s);
+/* Opens one for each backend that the options ask for, in their order; *count gets how many were tried. The stages are
+ * all zeros before. */
+int stage_open_all(stage stages[HOST_BACKENDS], uint32_t *count, const host_options *options);
 
 /* Uploads the scene and makes the cascades. `setup` must live as long as the stage. 0, or a code after a message. */
 int stage_load(stage *s, const host_setup *setup);

@@ -190,6 +190,14 @@ static int picture_place(picture *p) {
   return code;
 }
 
+/* From what a picture sees, into the tree. */
+static int begin_rays(picture *out, truth *t, const truth_view *view) {
+  int code = picture_begin(out, t, view->camera, view->width, view->height);
+  if (code == 0)
+    code = picture_place(out);
+  return code ? code : build_tree(t);
+}
+
 /* The ray of a pixel, relative to the geometry's origin. */
 static void pixel_ray(const picture *p, uint32_t column, uint32_t row, double from[3], double direction[3],
                       double *reach) {
@@ -422,17 +430,13 @@ static void sum_convergence(truth_convergence *out, const sunlight *s) {
   }
 }
 
-int truth_visibility(truth *t, const truth_view *view, const scene_light *light, double max_depth, uint32_t sun_samples,
-                     float *visibility, truth_convergence *convergence) {
-  sunlight s = {.view = view, .light = light, .max_depth = max_depth, .visibility = visibility};
-  int code = picture_begin(&s.picture, t, view->camera, view->width, view->height);
-  if (code == 0)
-    code = picture_place(&s.picture);
-  if (code == 0)
-    code = build_tree(t);
+int truth_visibility(truth *t, const truth_view *view, const truth_asked *asked, float *visibility,
+                     truth_convergence *convergence) {
+  sunlight s = {.view = view, .light = asked->light, .max_depth = asked->max_depth, .visibility = visibility};
+  const int code = begin_rays(&s.picture, t, view);
   if (code)
     return code;
-  truth_sun_make(&s.sun, light, sun_samples);
+  truth_sun_make(&s.sun, asked->light, asked->samples);
   s.rows = host_allocate(view->height, sizeof *s.rows);
   parallel_rows(view->height, light_row, &s, "truth: rays to the sun");
   sum_convergence(convergence, &s);
@@ -490,13 +494,9 @@ static void look_row(void *context, uint32_t row) {
 
 int truth_seen(truth *t, const truth_view *view, const camera *other, uint8_t *seen) {
   second_look s = {.view = view, .other_camera = other, .seen = seen};
-  int code = picture_begin(&s.picture, t, view->camera, view->width, view->height);
-  if (code == 0 && !camera_rays_make(&s.other, other, view->width, view->height))
-    code = host_fail(HOST_BAD_INPUT, "the camera's matrices are singular");
-  if (code == 0)
-    code = picture_place(&s.picture);
-  if (code == 0)
-    code = build_tree(t);
+  if (!camera_rays_make(&s.other, other, view->width, view->height))
+    return host_fail(HOST_BAD_INPUT, "the camera's matrices are singular");
+  const int code = begin_rays(&s.picture, t, view);
   if (code)
     return code;
   double turn[16];

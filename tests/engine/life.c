@@ -229,10 +229,26 @@ csm_result life_switch(life *life) {
 
 typedef csm_result (*step)(life *life);
 
-static const step steps[] = {create,      ground,       boxes,       hills,        cascades,    view,
-                             life_render, life_resolve, life_finish, life_render,  life_resolve_images, life_finish,
-                             reconfigure, life_render,  life_resolve, life_finish, life_switch, life_render,
-                             life_resolve, life_finish};
+static const step steps[] = {create,
+                             ground,
+                             boxes,
+                             hills,
+                             cascades,
+                             view,
+                             life_render,
+                             life_resolve,
+                             life_finish,
+                             life_render,
+                             life_resolve_images,
+                             life_finish,
+                             reconfigure,
+                             life_render,
+                             life_resolve,
+                             life_finish,
+                             life_switch,
+                             life_render,
+                             life_resolve,
+                             life_finish};
 enum { STEPS = sizeof steps / sizeof steps[0], FIRST_PICTURE = 8, LAST_PICTURE = STEPS - 1 };
 
 static bool opens(step step) {
