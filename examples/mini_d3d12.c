@@ -87,7 +87,7 @@ static void create_targets(engine *e) {
                                       ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(e->depth_view));
 }
 
-/* csm's constants, the engine's own, a draw's, and the maps with csm's sampler, as forward.ps.hlsl declares them. */
+/* csm's constants, the engine's own, a draw's, and the maps with a point sampler, as forward.ps.hlsl declares them. */
 static void create_signature(engine *e) {
   const D3D12_DESCRIPTOR_RANGE maps = {.RangeType = D3D12_DESCRIPTOR_RANGE_TYPE_SRV, .NumDescriptors = 1};
   const D3D12_ROOT_PARAMETER parameters[ROOT_COUNT] = {
@@ -97,17 +97,16 @@ static void create_signature(engine *e) {
       [ROOT_FRAME] = {.ParameterType = D3D12_ROOT_PARAMETER_TYPE_CBV, .Descriptor = {.ShaderRegister = 1}},
       [ROOT_MAPS] = {.ParameterType = D3D12_ROOT_PARAMETER_TYPE_DESCRIPTOR_TABLE,
                      .DescriptorTable = {.NumDescriptorRanges = 1, .pDescriptorRanges = &maps}}};
-  const D3D12_STATIC_SAMPLER_DESC compare = {.Filter = D3D12_FILTER_COMPARISON_MIN_MAG_LINEAR_MIP_POINT,
-                                             .AddressU = D3D12_TEXTURE_ADDRESS_MODE_CLAMP,
-                                             .AddressV = D3D12_TEXTURE_ADDRESS_MODE_CLAMP,
-                                             .AddressW = D3D12_TEXTURE_ADDRESS_MODE_CLAMP,
-                                             .ComparisonFunc = D3D12_COMPARISON_FUNC_LESS_EQUAL,
-                                             .MaxLOD = D3D12_FLOAT32_MAX,
-                                             .ShaderVisibility = D3D12_SHADER_VISIBILITY_PIXEL};
+  const D3D12_STATIC_SAMPLER_DESC point = {.Filter = D3D12_FILTER_MIN_MAG_MIP_POINT,
+                                           .AddressU = D3D12_TEXTURE_ADDRESS_MODE_CLAMP,
+                                           .AddressV = D3D12_TEXTURE_ADDRESS_MODE_CLAMP,
+                                           .AddressW = D3D12_TEXTURE_ADDRESS_MODE_CLAMP,
+                                           .MaxLOD = D3D12_FLOAT32_MAX,
+                                           .ShaderVisibility = D3D12_SHADER_VISIBILITY_PIXEL};
   const D3D12_ROOT_SIGNATURE_DESC signature = {.NumParameters = ROOT_COUNT,
                                                .pParameters = parameters,
                                                .NumStaticSamplers = 1,
-                                               .pStaticSamplers = &compare,
+                                               .pStaticSamplers = &point,
                                                .Flags = D3D12_ROOT_SIGNATURE_FLAG_ALLOW_INPUT_ASSEMBLER_INPUT_LAYOUT};
   ID3DBlob *blob;
   d3d12_check(D3D12SerializeRootSignature(&signature, D3D_ROOT_SIGNATURE_VERSION_1_0, &blob, NULL),
@@ -142,7 +141,6 @@ static void create_forward(engine *e) {
 }
 
 static void create_slots(engine *e) {
-  const csm_binding *binding = NULL;
   e->descriptors = d3d12_heap_create(&e->base, D3D12_DESCRIPTOR_HEAP_TYPE_CBV_SRV_UAV, SHADOWS_FRAMES_IN_FLIGHT, true);
   const size_t step =
       ID3D12Device_GetDescriptorHandleIncrementSize(e->base.device, D3D12_DESCRIPTOR_HEAP_TYPE_CBV_SRV_UAV);
@@ -151,7 +149,7 @@ static void create_slots(engine *e) {
     d3d12_check(ID3D12Device_CreateCommandAllocator(e->base.device, D3D12_COMMAND_LIST_TYPE_DIRECT,
                                                     &IID_ID3D12CommandAllocator, (void **)&slot->allocator),
                 "CreateCommandAllocator");
-    slot->shadow_block = d3d12_buffer_create(&e->base, D3D12_HEAP_TYPE_UPLOAD, sizeof binding->constants);
+    slot->shadow_block = d3d12_buffer_create(&e->base, D3D12_HEAP_TYPE_UPLOAD, SHADOWS_CONSTANTS_BYTES);
     slot->frame_block = d3d12_buffer_create(&e->base, D3D12_HEAP_TYPE_UPLOAD, sizeof(frame_constants));
     slot->shadow_memory = d3d12_buffer_map(slot->shadow_block);
     slot->frame_memory = d3d12_buffer_map(slot->frame_block);
@@ -204,6 +202,21 @@ static void draw_mesh(const engine *e, ID3D12GraphicsCommandList *list, uint32_t
   ID3D12GraphicsCommandList_DrawIndexedInstanced(list, m->index_count, 1, 0, 0, 0);
 }
 
+/* Fits csm's maps. Depth is clamped, so that a caster before the map's near plane still casts; both sides are drawn, as
+   csm draws its own casters. */
+static void create_caster(engine *e) {
+  const csm_draw_target target = shadows_target(&e->shadows);
+  const d3d12_pipeline_info info = {.signature = e->signature,
+                                    .vertex_code = caster_vs,
+                                    .vertex_size = sizeof caster_vs,
+                                    .elements = vertex_elements,
+                                    .element_count = 1,
+                                    .depth_format = (DXGI_FORMAT)target.depth_format,
+                                    .cull = D3D12_CULL_MODE_NONE,
+                                    .depth_compare = D3D12_COMPARISON_FUNC_LESS};
+  e->caster = d3d12_pipeline_create(&e->base, &info);
+}
+
 /* csm's callback, with each cascade's depth view set: draws the tree, bent as the forward pass bends it. */
 static void CSM_CALL draw_tree(void *user, const csm_draw_info *info) {
   engine *e = user;
@@ -213,19 +226,6 @@ static void CSM_CALL draw_tree(void *user, const csm_draw_info *info) {
   const double radius = world_skinned_bounds(&e->world, center);
   if (!shadows_reaches(info, center, radius))
     return;
-  if (!e->caster) {
-    /* Made here, once, because it must fit csm's depth format. Depth is clamped, so that a caster before the map's near
-       plane still casts; both sides are drawn, as csm draws its own casters. */
-    const d3d12_pipeline_info caster = {.signature = e->signature,
-                                        .vertex_code = caster_vs,
-                                        .vertex_size = sizeof caster_vs,
-                                        .elements = vertex_elements,
-                                        .element_count = 1,
-                                        .depth_format = (DXGI_FORMAT)info->depth_format,
-                                        .cull = D3D12_CULL_MODE_NONE,
-                                        .depth_compare = D3D12_COMPARISON_FUNC_LESS};
-    e->caster = d3d12_pipeline_create(&e->base, &caster);
-  }
   draw_constants constants;
   world_caster_constants(&constants, tree, info->world_to_clip);
   ID3D12GraphicsCommandList_SetGraphicsRootSignature(list, e->signature);
@@ -290,12 +290,13 @@ static void copy_picture(const engine *e) {
 /* Frames are numbered from 1 on, as csm wants them. */
 static void draw_frame(engine *e, uint32_t frame) {
   frame_slot *slot = &e->slots[frame % SHADOWS_FRAMES_IN_FLIGHT];
+  const shadows_frame shadows = {.number = frame, .command_buffer = e->list, .draw = draw_tree, .user = e};
   csm_binding binding = {.struct_size = sizeof binding, .maps_descriptor = slot->maps_cpu.ptr};
   begin_frame(e, slot, frame);
   world_animate(&e->world, frame);
 
-  shadows_record(&e->shadows, &e->world, frame, e->list, draw_tree, e, &binding);
-  memcpy(slot->shadow_memory, binding.constants, binding.constants_size);
+  shadows_record(&e->shadows, &e->world, &shadows, &binding);
+  shadows_write_constants(slot->shadow_memory, &binding);
   world_frame_constants(slot->frame_memory, &e->world, binding.origin);
   draw_forward(e, slot, binding.origin);
   if (frame == SHADOWS_FRAMES)
@@ -319,6 +320,8 @@ static void engine_open(engine *e, const app_options *options) {
   create_slots(e);
   open_shadows(e, options->csm);
   add_meshes(e);
+  shadows_place(&e->shadows, &e->world);
+  create_caster(e);
 }
 
 static void engine_close(engine *e) {

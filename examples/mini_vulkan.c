@@ -60,14 +60,7 @@ static void create_meshes(engine *e) {
   }
 }
 
-static void create_targets(engine *e) {
-  e->color = vulkan_image_create(&e->base, color_format, WORLD_WIDTH, WORLD_HEIGHT,
-                                 VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
-                                 VK_IMAGE_ASPECT_COLOR_BIT);
-  e->depth = vulkan_image_create(&e->base, depth_format, WORLD_WIDTH, WORLD_HEIGHT,
-                                 VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_IMAGE_ASPECT_DEPTH_BIT);
-  e->picture = vulkan_buffer_create(&e->base, WORLD_WIDTH * WORLD_HEIGHT * 4, VK_BUFFER_USAGE_TRANSFER_DST_BIT);
-
+static void create_pass(engine *e) {
   const VkAttachmentDescription attachments[2] = {{.format = color_format,
                                                    .samples = VK_SAMPLE_COUNT_1_BIT,
                                                    .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
@@ -115,6 +108,16 @@ static void create_targets(engine *e) {
                                        .dependencyCount = 2,
                                        .pDependencies = dependencies};
   vulkan_check(vkCreateRenderPass(e->base.device, &pass, NULL, &e->pass), "vkCreateRenderPass");
+}
+
+static void create_targets(engine *e) {
+  e->color = vulkan_image_create(&e->base, color_format, WORLD_WIDTH, WORLD_HEIGHT,
+                                 VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT,
+                                 VK_IMAGE_ASPECT_COLOR_BIT);
+  e->depth = vulkan_image_create(&e->base, depth_format, WORLD_WIDTH, WORLD_HEIGHT,
+                                 VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT, VK_IMAGE_ASPECT_DEPTH_BIT);
+  e->picture = vulkan_buffer_create(&e->base, WORLD_WIDTH * WORLD_HEIGHT * 4, VK_BUFFER_USAGE_TRANSFER_DST_BIT);
+  create_pass(e);
   const VkImageView views[2] = {e->color.view, e->depth.view};
   const VkFramebufferCreateInfo framebuffer = {.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
                                                .renderPass = e->pass,
@@ -201,8 +204,7 @@ static void create_slot(engine *e, frame_slot *slot) {
                                            .descriptorSetCount = 1,
                                            .pSetLayouts = &e->set_layout};
   vulkan_check(vkAllocateDescriptorSets(device, &set, &slot->set), "vkAllocateDescriptorSets");
-  const csm_binding *binding = NULL;
-  slot->shadow_block = vulkan_buffer_create(&e->base, sizeof binding->constants, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT);
+  slot->shadow_block = vulkan_buffer_create(&e->base, SHADOWS_CONSTANTS_BYTES, VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT);
   slot->frame_block = vulkan_buffer_create(&e->base, sizeof(frame_constants), VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT);
 }
 
@@ -243,6 +245,20 @@ static void draw_mesh(const engine *e, VkCommandBuffer commands, uint32_t mesh, 
   vkCmdDrawIndexed(commands, e->world.meshes[mesh].index_count, 1, 0, 0, 0);
 }
 
+/* Fits csm's pass. Depth is clamped, so that a caster before the map's near plane still casts; both sides are drawn, as
+   csm draws its own casters. */
+static void create_caster(engine *e) {
+  const csm_draw_target target = shadows_target(&e->shadows);
+  const vulkan_pipeline_info info = {.layout = e->layout,
+                                     .render_pass = (VkRenderPass)target.render_pass,
+                                     .vertex_code = caster_vert,
+                                     .vertex_size = sizeof caster_vert,
+                                     .input = vertex_input(1),
+                                     .depth_compare = VK_COMPARE_OP_LESS,
+                                     .depth_clamp = true};
+  e->caster = vulkan_pipeline_create(&e->base, &info);
+}
+
 /* csm's callback, inside each cascade's pass: draws the tree, bent as the forward pass bends it. */
 static void CSM_CALL draw_tree(void *user, const csm_draw_info *info) {
   engine *e = user;
@@ -252,18 +268,6 @@ static void CSM_CALL draw_tree(void *user, const csm_draw_info *info) {
   const double radius = world_skinned_bounds(&e->world, center);
   if (!shadows_reaches(info, center, radius))
     return;
-  if (!e->caster) {
-    /* Made here, once, because it must fit csm's render pass. Depth is clamped, so that a caster before the map's near
-       plane still casts; both sides are drawn, as csm draws its own casters. */
-    const vulkan_pipeline_info caster = {.layout = e->layout,
-                                         .render_pass = (VkRenderPass)info->render_pass,
-                                         .vertex_code = caster_vert,
-                                         .vertex_size = sizeof caster_vert,
-                                         .input = vertex_input(1),
-                                         .depth_compare = VK_COMPARE_OP_LESS,
-                                         .depth_clamp = true};
-    e->caster = vulkan_pipeline_create(&e->base, &caster);
-  }
   draw_constants constants;
   world_caster_constants(&constants, tree, info->world_to_clip);
   vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, e->caster);
@@ -286,7 +290,7 @@ static void begin_frame(engine *e, const frame_slot *slot, uint32_t frame) {
 
 /* Hands the forward shader what it samples the maps with. The slot's set is not in use: its frame is done. */
 static void write_bindings(const engine *e, const frame_slot *slot, const csm_binding *binding) {
-  memcpy(slot->shadow_block.mapped, binding->constants, binding->constants_size);
+  shadows_write_constants(slot->shadow_block.mapped, binding);
   world_frame_constants(slot->frame_block.mapped, &e->world, binding->origin);
 
   const VkDescriptorBufferInfo blocks[2] = {{slot->shadow_block.buffer, 0, VK_WHOLE_SIZE},
@@ -347,11 +351,12 @@ static void copy_picture(const engine *e, VkCommandBuffer commands) {
 /* Frames are numbered from 1 on, as csm wants them. */
 static void draw_frame(engine *e, uint32_t frame) {
   frame_slot *slot = &e->slots[frame % SHADOWS_FRAMES_IN_FLIGHT];
+  const shadows_frame shadows = {.number = frame, .command_buffer = slot->commands, .draw = draw_tree, .user = e};
   csm_binding binding = {.struct_size = sizeof binding};
   begin_frame(e, slot, frame);
   world_animate(&e->world, frame);
 
-  shadows_record(&e->shadows, &e->world, frame, slot->commands, draw_tree, e, &binding);
+  shadows_record(&e->shadows, &e->world, &shadows, &binding);
   write_bindings(e, slot, &binding);
   draw_forward(e, slot, binding.origin);
   if (frame == SHADOWS_FRAMES)
@@ -376,6 +381,8 @@ static void engine_open(engine *e, const app_options *options) {
     create_slot(e, &e->slots[i]);
   open_shadows(e, options->csm);
   add_meshes(e);
+  shadows_place(&e->shadows, &e->world);
+  create_caster(e);
 }
 
 static void engine_close(engine *e) {

@@ -46,6 +46,7 @@ void shadows_open(shadows *s, const char *library, csm_create_info *create) {
   config.shadow_distance = 50.0;
   config.caster_distance = 40.0;
   check(s, s->csm.cascades_create(s->context, &config, &s->cascades), "csm_cascades_create");
+  check(s, s->csm.scene_create(s->context, &s->scene), "csm_scene_create");
 }
 
 void shadows_close(shadows *s) {
@@ -69,32 +70,53 @@ void shadows_retire(shadows *s, int64_t frame) {
     check(s, s->csm.retire(s->context, (uint64_t)frame), "csm_retire");
 }
 
-void shadows_record(shadows *s, const world *w, uint64_t frame, void *command_buffer, csm_draw_function draw,
-                    void *user, csm_binding *binding) {
+/* What bends is drawn by the engine, because its own shader bends it. */
+void shadows_place(shadows *s, const world *w) {
   csm_instance instances[WORLD_MAX_THINGS];
+  csm_instance_id ids[WORLD_MAX_THINGS];
   uint32_t count = 0;
   for (uint32_t i = 0; i < w->thing_count; i++) {
     const thing *t = &w->things[i];
     if (t->bend > 0.0f)
-      continue; /* bent by the engine's own shader, so the engine draws it */
+      continue;
     instances[count] = (csm_instance){.struct_size = sizeof instances[0], .mesh = s->meshes[t->mesh]};
     memcpy(instances[count++].transform, t->bones[0], sizeof instances[0].transform);
   }
+  const csm_scene_batch batch = {.struct_size = sizeof batch, .count = count, .ids = ids, .instances = instances};
+  check(s, s->csm.scene_add(s->scene, &batch), "csm_scene_add");
+}
 
-  csm_frame info = {.struct_size = sizeof info,
-                    .frame = frame,
-                    .instances = instances,
-                    .instance_count = count,
-                    .draw = draw,
-                    .draw_user = user,
-                    .command_buffer = command_buffer};
-  memcpy(info.view, w->view, sizeof info.view);
-  memcpy(info.projection, w->projection, sizeof info.projection);
-  memcpy(info.light_direction, w->sun_direction, sizeof info.light_direction);
+csm_draw_target shadows_target(shadows *s) {
+  csm_draw_target target = {.struct_size = sizeof target};
+  check(s, s->csm.get_draw_target(s->cascades, &target), "csm_get_draw_target");
+  return target;
+}
+
+void shadows_record(shadows *s, const world *w, const shadows_frame *frame, csm_binding *binding) {
+  csm_camera camera = {.struct_size = sizeof camera};
+  csm_light light = {.struct_size = sizeof light};
+  memcpy(camera.view, w->view, sizeof camera.view);
+  memcpy(camera.projection, w->projection, sizeof camera.projection);
+  memcpy(light.direction, w->sun_direction, sizeof light.direction);
+  const csm_frame info = {.struct_size = sizeof info,
+                          .frame = frame->number,
+                          .command_buffer = frame->command_buffer,
+                          .camera = &camera,
+                          .light = &light,
+                          .scene = s->scene,
+                          .draw = frame->draw,
+                          .draw_user = frame->user};
   const double start = app_now_ms();
   check(s, s->csm.render_cascades(s->cascades, &info), "csm_render_cascades");
   s->cpu_ms[s->frames++] = app_now_ms() - start;
   check(s, s->csm.bind(s->cascades, binding), "csm_bind");
+}
+
+/* The second block grows with csm, and this shader was made with what csm_constants.h had then. */
+void shadows_write_constants(void *to, const csm_binding *binding) {
+  const uint32_t room = SHADOWS_CONSTANTS_BYTES - 16 * CSM_S_BEGIN, size = binding->setting_constants_size;
+  memcpy(to, binding->cascade_constants, binding->cascade_constants_size);
+  memcpy((char *)to + 16 * CSM_S_BEGIN, binding->setting_constants, size < room ? size : room);
 }
 
 bool shadows_reaches(const csm_draw_info *info, const double center[3], double radius) {

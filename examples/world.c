@@ -36,12 +36,11 @@ static void cross(double out[3], const double a[3], const double b[3]) {
 }
 
 /* Scale, then a turn about y, then a translation from the circle's centre. */
-static void place(double out[16], double x, double y, double z, double turn, double width, double height,
-                  double depth) {
-  const double c = cos(turn), s = sin(turn);
+static void place(double out[16], const double at[3], double turn, const double size[3]) {
+  const double c = cos(turn), s = sin(turn), *to = center;
   const double m[16] = {
-      c * width,     0, -s * width, 0, 0, height, 0, 0, s * depth, 0, c * depth, 0, center[0] + x, center[1] + y,
-      center[2] + z, 1};
+      c * size[0],   0, -s * size[0], 0, 0, size[1], 0, 0, s * size[2], 0, c * size[2], 0, to[0] + at[0], to[1] + at[1],
+      to[2] + at[2], 1};
   memcpy(out, m, sizeof m);
 }
 
@@ -133,10 +132,10 @@ static thing *add_thing(world *w, uint32_t mesh, const float color[3]) {
   return t;
 }
 
-static void add_stone(world *w, double x, double y, double z, double turn, const double size[3]) {
+static void add_stone(world *w, const double at[3], double turn, const double size[3]) {
   static const float grey[3] = {0.46f, 0.44f, 0.41f};
   thing *t = add_thing(w, MESH_STONE, grey);
-  place(t->bones[0], x, y, z, turn, size[0], size[1], size[2]);
+  place(t->bones[0], at, turn, size);
   memcpy(t->bones[1], t->bones[0], sizeof t->bones[1]);
 }
 
@@ -145,20 +144,22 @@ static void add_circle(world *w) {
   for (int i = 0; i < STONES; i++) {
     const double angle = 2.0 * pi * i / STONES, next = 2.0 * pi * (i + 1) / STONES, middle = 0.5 * (angle + next);
     const double stone[3] = {1.7, 4.2 + 0.3 * (i > 4) * sin(3.0 * i), 0.9};
-    add_stone(w, circle_radius * sin(angle), 0.0, circle_radius * cos(angle), angle, stone);
+    const double at[3] = {circle_radius * sin(angle), 0.0, circle_radius * cos(angle)};
+    add_stone(w, at, angle, stone);
     if (i < 4) {
       const double gap = 2.0 * circle_radius * sin(pi / STONES), out = circle_radius * cos(pi / STONES);
-      add_stone(w, out * sin(middle), 4.2, out * cos(middle), middle, (const double[3]){gap, 0.7, 1.0});
+      const double above[3] = {out * sin(middle), 4.2, out * cos(middle)}, lintel[3] = {gap, 0.7, 1.0};
+      add_stone(w, above, middle, lintel);
     }
   }
-  add_stone(w, 2.6, 0.0, 1.4, 0.5, (const double[3]){2.4, 0.8, 1.3});
+  add_stone(w, (const double[3]){2.6, 0.0, 1.4}, 0.5, (const double[3]){2.4, 0.8, 1.3});
 }
 
 /* The tree's upper bone turns about a point on its lower one. */
 static void bend_tree(thing *tree, double seconds) {
   const double angle = 0.55 * sin(2.2 * seconds + 0.4), c = cos(angle), s = sin(angle), pivot = 1.5;
   const double turn[16] = {c, s, 0, 0, -s, c, 0, 0, 0, 0, 1, 0, pivot * s, pivot - pivot * c, 0, 1};
-  place(tree->bones[0], -0.5, 0.0, 0.5, 0.8, 1.0, 1.0, 1.0);
+  place(tree->bones[0], (const double[3]){-0.5, 0.0, 0.5}, 0.8, (const double[3]){1.0, 1.0, 1.0});
   multiply(tree->bones[1], tree->bones[0], turn);
 }
 
@@ -172,7 +173,7 @@ void world_create(world *w) {
     find_bounds(&w->meshes[i]);
 
   thing *ground = add_thing(w, MESH_GROUND, grass);
-  place(ground->bones[0], 0.0, 0.0, 0.0, 0.0, 60.0, 1.0, 60.0);
+  place(ground->bones[0], (const double[3]){0.0, 0.0, 0.0}, 0.0, (const double[3]){60.0, 1.0, 60.0});
   memcpy(ground->bones[1], ground->bones[0], sizeof ground->bones[1]);
   add_circle(w);
   add_thing(w, MESH_TREE, bark)->bend = (float)(1.0 / tree_height);

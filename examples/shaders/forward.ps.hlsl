@@ -3,13 +3,14 @@
 #include "include/bones.hlsl"
 #include "include/frame.hlsl"
 
-// What csm_sample.hlsl reads: its constants, its maps, and a comparing sampler.
+// What csm_sample.hlsl reads: its constants, its maps, and a sampler, point and clamped.
 cbuffer shadow_block : register(b0)
 {
     float4 csm_c[CSM_C_COUNT];
 };
 Texture2DArray<float> csm_maps : register(t0);
-SamplerComparisonState csm_compare : register(s0);
+SamplerState csm_point : register(s0);
+#define CSM_POINT csm_point
 #include "csm_sample.hlsl"
 
 float4 main(float4 clip : SV_Position, float3 position : POSITION, float3 normal : NORMAL) : SV_Target

@@ -112,9 +112,9 @@ static void take_results(bench_rows *out, const group *g, bool with_base) {
     *result = (bench_result){.row = l->row->name,
                              .backend = l->stage->backend,
                              .ms = estimate_median(l->samples, out->pairs),
+                             .to_first = estimate_ratio(l->samples, first_of(g, l)->samples, out->pairs),
+                             .to_base = estimate_ratio(l->samples, base->samples, out->pairs),
                              .most_floors = l->row->most_floors};
-    result->to_first = estimate_ratio(l->samples, first_of(g, l)->samples, out->pairs);
-    result->to_base = estimate_ratio(l->samples, base->samples, out->pairs);
     if (out->has_floor)
       result->to_floor = estimate_ratio(l->samples, g->lanes[0].samples, out->pairs);
   }

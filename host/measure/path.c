@@ -145,28 +145,27 @@ static void free_frames(walk *w) {
   free(w->seen);
 }
 
-static int cast_frame(walk *w, uint32_t index, path_frame *frame) {
+static int cast_light(walk *w, uint32_t index, const truth_view *view, float *visibility) {
+  const truth_asked asked = {
+      .light = &w->path->lights[index], .max_depth = w->stages[0].setup->shadow_distance, .samples = w->sun_samples};
   truth_convergence convergence;
+  return truth_store_visibility(w->store, view, &asked, visibility, &convergence);
+}
+
+static int cast_frame(walk *w, uint32_t index, path_frame *frame) {
   frame->view.camera = &w->path->cameras[index];
-  int code = truth_store_view(w->store, &frame->view);
-  if (code == 0)
-    code = truth_store_visibility(w->store, &frame->view, &w->path->lights[index], w->stages[0].setup->shadow_distance,
-                                  w->sun_samples, frame->visibility, &convergence);
-  return code;
+  const int code = truth_store_view(w->store, &frame->view);
+  return code ? code : cast_light(w, index, &frame->view, frame->visibility);
 }
 
 /* What the frame before saw, with this frame's light, as far as this frame sees it too. */
 static int cast_pair(walk *w, uint32_t index, const path_frame *before) {
-  truth_convergence convergence;
   const int code = truth_store_seen(w->store, &before->view, &w->path->cameras[index], w->seen);
   if (code == 0 && memcmp(&w->path->lights[index], &w->path->lights[index - 1], sizeof w->path->lights[0]) == 0) {
     memcpy(w->later_visibility, before->visibility, picture_pixels(w) * sizeof *w->later_visibility);
     return 0;
   }
-  return code ? code
-              : truth_store_visibility(w->store, &before->view, &w->path->lights[index],
-                                       w->stages[0].setup->shadow_distance, w->sun_samples, w->later_visibility,
-                                       &convergence);
+  return code ? code : cast_light(w, index, &before->view, w->later_visibility);
 }
 
 /* This frame's maps, asked at the very points that the frame before saw. */

@@ -20,10 +20,10 @@ int truth_frame_cast(truth_frame *out, truth_store *store, const host_setup *set
                            .height = setup->height,
                            .surfaces = host_allocate(pixels, sizeof *out->view.surfaces)};
   out->visibility = host_allocate(pixels, sizeof *out->visibility);
+  const truth_asked asked = {.light = &setup->light, .max_depth = setup->shadow_distance, .samples = sun_samples};
   int code = truth_store_view(store, &out->view);
   if (code == 0)
-    code = truth_store_visibility(store, &out->view, &setup->light, setup->shadow_distance, sun_samples,
-                                  out->visibility, &out->convergence);
+    code = truth_store_visibility(store, &out->view, &asked, out->visibility, &out->convergence);
   return code ? code : check_outside(out);
 }
 

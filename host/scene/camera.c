@@ -65,8 +65,23 @@ static double view_z_at(const double p[16], double depth) {
   return (depth * p[15] - p[14]) / (p[10] - depth * p[11]);
 }
 
-const char *camera_from_matrices(camera *out, const double view[16], const double projection[16]) {
-  double inverse[16];
+/*
+ * Whether a camera looks along +z or -z of its view. What lies in front of a perspective one has w > 0. An orthographic
+ * one looks to the side where its slab lies, from z0 to z1; where that is both sides, `reversed` says it.
+ */
+static const char *find_side(double *out, const double projection[16], double z0, double z1, const bool *reversed) {
+  double toward = projection[11];
+  if (toward == 0.0 && z0 * z1 >= 0.0)
+    toward = z0 + z1;
+  else if (toward == 0.0 && reversed)
+    toward = *reversed ? z0 - z1 : z1 - z0;
+  *out = toward < 0.0 ? -1.0 : 1.0;
+  return toward != 0.0 ? NULL : "its projection does not tell whether it is reversed: 'reversed' must";
+}
+
+const char *camera_from_matrices(camera *out, const double view[16], const double projection[16],
+                                 const bool *reversed) {
+  double inverse[16], sign;
   if (!all_finite(view, 16) || !all_finite(projection, 16))
     return "its matrices must be finite";
   if (!mat_invert(inverse, view))
@@ -77,12 +92,10 @@ const char *camera_from_matrices(camera *out, const double view[16], const doubl
   if (!mat_invert(inverse, projection))
     return "its projection is singular";
 
-  /* What lies in front has w > 0 in a perspective; an orthographic camera looks to the side where its slab lies. */
   const double z0 = view_z_at(projection, 0.0), z1 = view_z_at(projection, 1.0);
-  double toward = projection[11];
-  if (toward == 0.0)
-    toward = z0 + z1;
-  const double sign = toward < 0.0 ? -1.0 : 1.0;
+  const char *problem = find_side(&sign, projection, z0, z1, reversed);
+  if (problem)
+    return problem;
   const double depth0 = isfinite(z0) ? sign * z0 : INFINITY, depth1 = isfinite(z1) ? sign * z1 : INFINITY;
   out->reversed = depth1 < depth0;
   out->near_depth = out->reversed ? depth1 : depth0;
@@ -91,6 +104,8 @@ const char *camera_from_matrices(camera *out, const double view[16], const doubl
     out->far_depth = INFINITY;
   if (!isfinite(out->near_depth) || !(out->far_depth > out->near_depth))
     return "its projection has no near plane before its far plane";
+  if (reversed && *reversed != out->reversed)
+    return "'reversed' contradicts its projection";
   for (int i = 0; i < 3; i++)
     out->forward[i] = sign * view[i * 4 + 2];
   return vec_normalize(out->forward) ? NULL : "its view matrix is singular";

@@ -28,8 +28,11 @@ const char *camera_pose_check(const camera_pose *pose);
 /* Right-handed, reversed-Z, looking along view -z. Precondition: the pose is checked, aspect (width / height) > 0. */
 void camera_from_pose(camera *out, const camera_pose *pose, double aspect);
 
-/* Finds position, forward, near, far and reversed from the two matrices. NULL, or what is wrong with them. */
-const char *camera_from_matrices(camera *out, const double view[16], const double projection[16]);
+/*
+ * Finds position, forward, near, far and reversed from the two matrices. NULL, or what is wrong with them.
+ * `reversed` may be NULL, but for an orthographic camera whose near plane lies behind it: its matrix does not tell.
+ */
+const char *camera_from_matrices(camera *out, const double view[16], const double projection[16], const bool *reversed);
 
 /* The rays through the centres of a picture's pixels. */
 typedef struct camera_rays {

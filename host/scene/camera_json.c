@@ -42,12 +42,13 @@ int camera_from_object(camera *out, const json_t *object, const json_source *fro
     code = read_doubles(object, from, "projection", projection, 16);
   if (code)
     return code;
-  const char *problem = camera_from_matrices(out, view, projection);
+  const json_t *told = json_object_get(object, "reversed");
+  if (told && !json_is_boolean(told))
+    return json_source_fail(from, "reversed", "must be true or false");
+  const bool reversed = json_boolean_value(told);
+  const char *problem = camera_from_matrices(out, view, projection, told ? &reversed : NULL);
   if (problem)
     return json_source_fail(from, NULL, problem);
-  const json_t *reversed = json_object_get(object, "reversed");
-  if (reversed && (!json_is_boolean(reversed) || json_boolean_value(reversed) != out->reversed))
-    return json_source_fail(from, "reversed", "contradicts the projection");
   /* the file's own numbers, rather than what is left of them in the projection */
   if (json_object_get(object, "position"))
     code = read_doubles(object, from, "position", out->position, 3);

@@ -20,15 +20,23 @@ typedef struct town_meshes {
   uint32_t arch, fence, pole, wire, lamp, tree, bush;
 } town_meshes;
 
-static void place(scene *s, uint32_t mesh, double x, double y, double z, double turn, double size) {
+typedef struct spot {
+  double x, y, z, turn, size;
+} spot;
+
+static void place(scene *s, uint32_t mesh, spot at) {
   double transform[16];
-  mat_place(transform, (double[3]){x, y, z}, turn, (double[3]){size, size, size});
+  mat_place(transform, (double[3]){at.x, at.y, at.z}, at.turn, (double[3]){at.size, at.size, at.size});
   scene_add_instance(s, mesh, transform);
 }
 
-/* A box from a corner and a size. */
-static void add_box(mesh_builder *b, double x, double y, double z, double width, double height, double depth) {
-  builder_box(b, (double[3]){x, y, z}, (double[3]){x + width, y + height, z + depth});
+/* From a corner. */
+typedef struct box {
+  double x, y, z, width, height, depth;
+} box;
+
+static void add_box(mesh_builder *b, box at) {
+  builder_box(b, (double[3]){at.x, at.y, at.z}, (double[3]){at.x + at.width, at.y + at.height, at.z + at.depth});
 }
 
 /* ---- houses: 1 unit is 1 m; the front looks along +z, the middle stands on the origin ---- */
@@ -89,13 +97,13 @@ static void add_walls(mesh_builder *b, const house *h) {
 static void add_window(mesh_builder *b, double x, double y, double z, double f) {
   const double back = fmin(z, z + 0.04 * f), sill = fmin(z, z + 0.16 * f), shutter = fmin(z, z + 0.07 * f);
   builder_color(b, 0.05f, 0.07f, 0.09f);
-  add_box(b, x - 0.5, y, back, 1.0, 1.4, 0.04);
+  add_box(b, (box){x - 0.5, y, back, 1.0, 1.4, 0.04});
   builder_color(b, 0.55f, 0.52f, 0.47f);
-  add_box(b, x - 0.65, y - 0.1, sill, 1.3, 0.1, 0.16);
-  add_box(b, x - 0.58, y + 1.4, shutter, 1.16, 0.12, 0.07);
+  add_box(b, (box){x - 0.65, y - 0.1, sill, 1.3, 0.1, 0.16});
+  add_box(b, (box){x - 0.58, y + 1.4, shutter, 1.16, 0.12, 0.07});
   builder_color(b, 0.1f, 0.17f, 0.15f);
-  add_box(b, x - 1.0, y, shutter, 0.45, 1.4, 0.07);
-  add_box(b, x + 0.55, y, shutter, 0.45, 1.4, 0.07);
+  add_box(b, (box){x - 1.0, y, shutter, 0.45, 1.4, 0.07});
+  add_box(b, (box){x + 0.55, y, shutter, 0.45, 1.4, 0.07});
 }
 
 static void add_fronts(mesh_builder *b, const house *h) {
@@ -110,10 +118,10 @@ static void add_fronts(mesh_builder *b, const house *h) {
     }
   builder_color(b, 0.2f, 0.11f, 0.06f);
   const double x = (h->bays / 2 + 0.5) * bay - h->width / 2;
-  add_box(b, x - 0.55, 0.0, h->depth / 2, 1.1, 2.2, 0.06);
+  add_box(b, (box){x - 0.55, 0.0, h->depth / 2, 1.1, 2.2, 0.06});
   builder_color(b, 0.45f, 0.43f, 0.4f);
-  add_box(b, x - 0.8, -0.2, h->depth / 2, 1.6, 0.4, 0.9);
-  add_box(b, x - 0.9, 2.35, h->depth / 2, 1.8, 0.12, 0.8);
+  add_box(b, (box){x - 0.8, -0.2, h->depth / 2, 1.6, 0.4, 0.9});
+  add_box(b, (box){x - 0.9, 2.35, h->depth / 2, 1.8, 0.12, 0.8});
 }
 
 static uint32_t make_house(scene *s, const char *name, const house *h) {
@@ -122,7 +130,7 @@ static uint32_t make_house(scene *s, const char *name, const house *h) {
   add_fronts(&b, h);
   add_roof(&b, h);
   builder_color(&b, 0.34f, 0.16f, 0.11f);
-  add_box(&b, h->width * 0.22, h->height + 0.3 * h->roof, -h->depth * 0.17, 0.8, h->roof * 0.7 + 1.1, 0.7);
+  add_box(&b, (box){h->width * 0.22, h->height + 0.3 * h->roof, -h->depth * 0.17, 0.8, h->roof * 0.7 + 1.1, 0.7});
   return builder_finish(&b, s, name, 2, false);
 }
 
@@ -147,10 +155,14 @@ static const double house_width[HOUSE_KINDS] = {9.0, 11.5, 8.0, 12.5, 7.0, 10.0}
 
 /* ---- arcade: one bay, 4 m wide along x, 3.4 m deep, a round arch on pillars, a wall and a roof above ---- */
 
-static void add_arch_slice(mesh_builder *b, double from, double to, double radius, double spring, double top, double z0,
-                           double z1) {
-  const double x0 = radius * cos(from), y0 = spring + radius * sin(from);
-  const double x1 = radius * cos(to), y1 = spring + radius * sin(to);
+typedef struct arch {
+  double radius, spring, top; /* the arch begins at `spring`, the wall ends at `top` */
+  double z0, z1;
+} arch;
+
+static void add_arch_slice(mesh_builder *b, const arch *a, double from, double to) {
+  const double x0 = a->radius * cos(from), y0 = a->spring + a->radius * sin(from);
+  const double x1 = a->radius * cos(to), y1 = a->spring + a->radius * sin(to), top = a->top, z0 = a->z0, z1 = a->z1;
   const double front[4][3] = {{x1, y1, z1}, {x0, y0, z1}, {x0, top, z1}, {x1, top, z1}};
   const double back[4][3] = {{x0, y0, z0}, {x1, y1, z0}, {x1, top, z0}, {x0, top, z0}};
   const double under[4][3] = {{x0, y0, z0}, {x0, y0, z1}, {x1, y1, z1}, {x1, y1, z0}};
@@ -165,15 +177,15 @@ static uint32_t make_arch(scene *s) {
   mesh_builder b = {0};
   builder_color(&b, 0.62f, 0.56f, 0.45f);
   for (uint32_t i = 0; i < slices; i++)
-    add_arch_slice(&b, PI * i / slices, PI * (i + 1) / slices, radius, spring, top, z0, z1);
-  add_box(&b, -half, spring, z0, half - radius, top - spring, z1 - z0);
-  add_box(&b, radius, spring, z0, half - radius, top - spring, z1 - z0);
+    add_arch_slice(&b, &(arch){radius, spring, top, z0, z1}, PI * i / slices, PI * (i + 1) / slices);
+  add_box(&b, (box){-half, spring, z0, half - radius, top - spring, z1 - z0});
+  add_box(&b, (box){radius, spring, z0, half - radius, top - spring, z1 - z0});
   builder_color(&b, 0.58f, 0.55f, 0.5f);
   for (int side = -1; side <= 1; side += 2) {
     const double x = side * (half + radius) / 2.0;
     builder_tube(&b, (double[3]){x, 0.3, 0}, (double[3]){x, spring - 0.25, 0}, 0.17, 0.15, 14);
-    add_box(&b, x - 0.25, 0.0, -0.25, 0.5, 0.3, 0.5);
-    add_box(&b, x - 0.23, spring - 0.25, -0.24, 0.46, 0.25, 0.48);
+    add_box(&b, (box){x - 0.25, 0.0, -0.25, 0.5, 0.3, 0.5});
+    add_box(&b, (box){x - 0.23, spring - 0.25, -0.24, 0.46, 0.25, 0.48});
   }
   builder_color(&b, 0.34f, 0.13f, 0.08f);
   const double roof[4][3] = {{-half, 4.8, 0.6}, {half, 4.8, 0.6}, {half, 6.0, -3.4}, {-half, 6.0, -3.4}};
@@ -189,11 +201,11 @@ static uint32_t make_arch(scene *s) {
 static uint32_t make_fence(scene *s) {
   mesh_builder b = {0};
   builder_color(&b, 0.33f, 0.26f, 0.19f);
-  add_box(&b, -2.0, -0.3, -0.05, 0.1, 1.5, 0.1);
-  add_box(&b, -2.0, 0.3, -0.02, 4.0, 0.06, 0.04);
-  add_box(&b, -2.0, 0.85, -0.02, 4.0, 0.06, 0.04);
+  add_box(&b, (box){-2.0, -0.3, -0.05, 0.1, 1.5, 0.1});
+  add_box(&b, (box){-2.0, 0.3, -0.02, 4.0, 0.06, 0.04});
+  add_box(&b, (box){-2.0, 0.85, -0.02, 4.0, 0.06, 0.04});
   for (int i = 0; i < 26; i++)
-    add_box(&b, -1.86 + 0.15 * i, 0.1, 0.02, 0.05, 1.0, 0.02);
+    add_box(&b, (box){-1.86 + 0.15 * i, 0.1, 0.02, 0.05, 1.0, 0.02});
   return builder_finish(&b, s, "fence", 2, false);
 }
 
@@ -246,20 +258,20 @@ static uint32_t make_church(scene *s) {
   add_walls(&b, &nave);
   add_roof(&b, &nave);
   builder_color(&b, 0.62f, 0.59f, 0.52f);
-  add_box(&b, 12.0, -0.5, -3.2, 6.4, 22.5, 6.4);
+  add_box(&b, (box){12.0, -0.5, -3.2, 6.4, 22.5, 6.4});
   for (int corner = 0; corner < 4; corner++)
-    add_box(&b, corner & 1 ? 17.5 : 12.0, 22.0, corner & 2 ? 2.3 : -3.2, 0.9, 3.4, 0.9);
-  add_box(&b, 11.8, 25.4, -3.4, 6.8, 0.4, 6.8);
+    add_box(&b, (box){corner & 1 ? 17.5 : 12.0, 22.0, corner & 2 ? 2.3 : -3.2, 0.9, 3.4, 0.9});
+  add_box(&b, (box){11.8, 25.4, -3.4, 6.8, 0.4, 6.8});
   builder_color(&b, 0.13f, 0.24f, 0.2f);
   builder_tube(&b, (double[3]){15.2, 25.8, 0}, (double[3]){15.2, 38.0, 0}, 4.4, 0.0, 8);
   builder_color(&b, 0.06f, 0.07f, 0.09f);
   for (int i = 0; i < 5; i++)
     for (int side = -1; side <= 1; side += 2)
-      add_box(&b, -10.4 + 4.6 * i, 2.4, side * 5.5 - 0.04, 1.1, 4.6, 0.08);
+      add_box(&b, (box){-10.4 + 4.6 * i, 2.4, side * 5.5 - 0.04, 1.1, 4.6, 0.08});
   builder_color(&b, 0.5f, 0.47f, 0.42f);
   for (int i = 0; i < 6; i++)
     for (int side = -1; side <= 1; side += 2)
-      add_box(&b, -12.0 + 4.6 * i, -0.5, side * 6.0 - 0.5, 0.7, 7.5, 1.0);
+      add_box(&b, (box){-12.0 + 4.6 * i, -0.5, side * 6.0 - 0.5, 0.7, 7.5, 1.0});
   return builder_finish(&b, s, "church", 2, false);
 }
 
@@ -291,9 +303,9 @@ static uint32_t make_ground(scene *s) {
       builder_quad(&b, (const double[4][3]){{x0, 0, z1}, {x1, 0, z1}, {x1, 0, z0}, {x0, 0, z0}});
     }
   builder_color(&b, 0.36f, 0.34f, 0.31f);
-  add_box(&b, -curb, -0.1, -curb, 2.0 * curb, 0.22, 2.0 * curb);
+  add_box(&b, (box){-curb, -0.1, -curb, 2.0 * curb, 0.22, 2.0 * curb});
   builder_color(&b, 0.1f, 0.145f, 0.05f);
-  add_box(&b, -yard, -0.1, -yard, 2.0 * yard, 0.28, 2.0 * yard);
+  add_box(&b, (box){-yard, -0.1, -yard, 2.0 * yard, 0.28, 2.0 * yard});
   return builder_finish(&b, s, "block", 2, false);
 }
 
@@ -345,8 +357,8 @@ static void add_row(scene *s, const town_meshes *m, double x, double z, double t
     if (along + width > end - 9.0)
       return;
     const double u = along + width / 2.0;
-    place(s, m->houses[kind], x + u * cos(turn) + front * sin(turn), 0.1, z - u * sin(turn) + front * cos(turn), turn,
-          1.0);
+    place(s, m->houses[kind],
+          (spot){x + u * cos(turn) + front * sin(turn), 0.1, z - u * sin(turn) + front * cos(turn), turn, 1.0});
     along += width + (noise_hash(i, 2, seed) > 0.7 ? 2.5 : 0.02);
   }
 }
@@ -355,15 +367,17 @@ static void add_yard(scene *s, const town_meshes *m, double x, double z, uint32_
   for (int side = 0; side < 4; side++)
     for (int i = 0; i < 4; i++) {
       const double turn = side * PI / 2.0, u = -6.0 + 4.0 * i, out = 8.4;
-      place(s, m->fence, x + u * cos(turn) + out * sin(turn), 0.1, z - u * sin(turn) + out * cos(turn), turn, 1.0);
+      place(s, m->fence,
+            (spot){x + u * cos(turn) + out * sin(turn), 0.1, z - u * sin(turn) + out * cos(turn), turn, 1.0});
     }
   for (uint32_t i = 0; i < 3; i++)
-    place(s, i == 0 ? m->tree : m->bush, x + 12.0 * noise_hash(i, 3, seed) - 6.0, 0.15,
-          z + 12.0 * noise_hash(i, 4, seed) - 6.0, 6.28 * noise_hash(i, 5, seed), 0.8 + 0.5 * noise_hash(i, 6, seed));
+    place(s, i == 0 ? m->tree : m->bush,
+          (spot){x + 12.0 * noise_hash(i, 3, seed) - 6.0, 0.15, z + 12.0 * noise_hash(i, 4, seed) - 6.0,
+                 6.28 * noise_hash(i, 5, seed), 0.8 + 0.5 * noise_hash(i, 6, seed)});
 }
 
 static void add_block(scene *s, const town_meshes *m, uint32_t ground, double x, double z, uint32_t seed) {
-  place(s, ground, x, 0.0, z, 0.0, 1.0);
+  place(s, ground, (spot){x, 0.0, z, 0.0, 1.0});
   for (int side = 0; side < 4; side++)
     add_row(s, m, x, z, side * PI / 2.0, seed * 4u + (uint32_t)side);
   add_yard(s, m, x, z, seed);
@@ -376,11 +390,11 @@ static void add_streets(scene *s, const town_meshes *m) {
     for (int i = 0; i < 2 * BLOCKS; i++) {
       const double z = (i - BLOCKS) * BLOCK_PITCH / 2.0;
       if (street % 2 == 1) {
-        place(s, m->pole, x, 0.0, z, 0.0, 1.0);
+        place(s, m->pole, (spot){x, 0.0, z, 0.0, 1.0});
         if (i + 1 < 2 * BLOCKS)
-          place(s, m->wire, x, 0.0, z, 0.0, 1.0);
+          place(s, m->wire, (spot){x, 0.0, z, 0.0, 1.0});
       } else {
-        place(s, m->lamp, x, 0.0, z + 9.0, 0.0, 1.0);
+        place(s, m->lamp, (spot){x, 0.0, z + 9.0, 0.0, 1.0});
       }
     }
   }
@@ -388,22 +402,24 @@ static void add_streets(scene *s, const town_meshes *m) {
 
 /* Arcades on three sides of the square, whose middle is at (x, z). */
 static void add_square(scene *s, const town_meshes *m, double x, double z) {
-  place(s, make_plaza(s), x, 0.0, z, 0.0, 1.0);
-  place(s, make_fountain(s), x, 0.0, z, 0.0, 1.0);
+  place(s, make_plaza(s), (spot){x, 0.0, z, 0.0, 1.0});
+  place(s, make_fountain(s), (spot){x, 0.0, z, 0.0, 1.0});
   for (int side = 0; side < 3; side++)
     for (int i = 0; i < 9; i++) {
       const double turn = PI / 2.0 - side * PI / 2.0, u = -16.0 + 4.0 * i, out = -18.0;
-      place(s, m->arch, x + u * cos(turn) + out * sin(turn), 0.0, z - u * sin(turn) + out * cos(turn), turn, 1.0);
+      place(s, m->arch,
+            (spot){x + u * cos(turn) + out * sin(turn), 0.0, z - u * sin(turn) + out * cos(turn), turn, 1.0});
     }
   for (int i = 0; i < 4; i++)
-    place(s, m->tree, x + (i & 1 ? 11.0 : -11.0), 0.0, z + (i & 2 ? 11.0 : -11.0), 1.3 * i, 0.75 + 0.06 * i);
+    place(s, m->tree, (spot){x + (i & 1 ? 11.0 : -11.0), 0.0, z + (i & 2 ? 11.0 : -11.0), 1.3 * i, 0.75 + 0.06 * i});
 }
 
 static void add_outskirts(scene *s, const town_meshes *m) {
   for (uint32_t i = 0; i < 160; i++) {
     const double angle = 6.2831853 * noise_hash(i, 1, 77), out = 185.0 + 150.0 * noise_hash(i, 2, 77);
-    place(s, m->tree, out * cos(angle), 0.02 * (out - 190.0) - 0.6, out * sin(angle), angle,
-          0.7 + 0.7 * noise_hash(i, 3, 77));
+    place(s, m->tree,
+          (spot){out * cos(angle), 0.02 * (out - 190.0) - 0.6, out * sin(angle), angle,
+                 0.7 + 0.7 * noise_hash(i, 3, 77)});
   }
 }
 
@@ -426,8 +442,8 @@ void scene_make_town(scene *s) {
       if (row == 3 && column == 3)
         add_square(s, &m, x, z);
       else if (row == 2 && column == 3) {
-        place(s, ground, x, 0.0, z, 0.0, 1.0);
-        place(s, make_church(s), x, 0.1, z + 4.0, 0.0, 1.0);
+        place(s, ground, (spot){x, 0.0, z, 0.0, 1.0});
+        place(s, make_church(s), (spot){x, 0.1, z + 4.0, 0.0, 1.0});
       } else
         add_block(s, &m, ground, x, z, (uint32_t)(row * BLOCKS + column) + 300u);
     }

@@ -173,11 +173,12 @@ int truth_store_view(truth_store *store, const truth_view *view) {
   return code;
 }
 
-int truth_store_visibility(truth_store *store, const truth_view *view, const scene_light *light, double max_depth,
-                           uint32_t sun_samples, float *visibility, truth_convergence *convergence) {
+int truth_store_visibility(truth_store *store, const truth_view *view, const truth_asked *asked, float *visibility,
+                           truth_convergence *convergence) {
+  const scene_light *light = asked->light;
   const size_t bytes = (size_t)view->width * view->height * sizeof *visibility;
   const double numbers[] = {light->direction[0], light->direction[1], light->direction[2],
-                            light->disc_deg,     max_depth,           light->disc_deg > 0.0 ? sun_samples : 1.0};
+                            light->disc_deg,     asked->max_depth,    light->disc_deg > 0.0 ? asked->samples : 1.0};
   const uint64_t key = hash_bytes(hash_view(store, view, "sun"), numbers, sizeof numbers);
   uint8_t *data = host_allocate(bytes + sizeof *convergence, 1);
   int code = 0;
@@ -186,7 +187,7 @@ int truth_store_visibility(truth_store *store, const truth_view *view, const sce
     memcpy(convergence, data + bytes, sizeof *convergence);
   } else {
     const double begun = host_now_ms();
-    code = truth_visibility(store->caster, view, light, max_depth, sun_samples, visibility, convergence);
+    code = truth_visibility(store->caster, view, asked, visibility, convergence);
     note_cast(store, begun);
     memcpy(data, visibility, bytes);
     memcpy(data + bytes, convergence, sizeof *convergence);

@@ -22,8 +22,8 @@ void truth_store_close(truth_store *store);
 /* As truth_find and truth_view_fill, for a view whose camera and size are set. */
 int truth_store_view(truth_store *store, const truth_view *view);
 /* As truth_visibility. */
-int truth_store_visibility(truth_store *store, const truth_view *view, const scene_light *light, double max_depth,
-                           uint32_t sun_samples, float *visibility, truth_convergence *convergence);
+int truth_store_visibility(truth_store *store, const truth_view *view, const truth_asked *asked, float *visibility,
+                           truth_convergence *convergence);
 /* As truth_seen. */
 int truth_store_seen(truth_store *store, const truth_view *view, const camera *other, uint8_t *seen);
 

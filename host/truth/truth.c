@@ -422,9 +422,9 @@ static void sum_convergence(truth_convergence *out, const sunlight *s) {
   }
 }
 
-int truth_visibility(truth *t, const truth_view *view, const scene_light *light, double max_depth, uint32_t sun_samples,
-                     float *visibility, truth_convergence *convergence) {
-  sunlight s = {.view = view, .light = light, .max_depth = max_depth, .visibility = visibility};
+int truth_visibility(truth *t, const truth_view *view, const truth_asked *asked, float *visibility,
+                     truth_convergence *convergence) {
+  sunlight s = {.view = view, .light = asked->light, .max_depth = asked->max_depth, .visibility = visibility};
   int code = picture_begin(&s.picture, t, view->camera, view->width, view->height);
   if (code == 0)
     code = picture_place(&s.picture);
@@ -432,7 +432,7 @@ int truth_visibility(truth *t, const truth_view *view, const scene_light *light,
     code = build_tree(t);
   if (code)
     return code;
-  truth_sun_make(&s.sun, light, sun_samples);
+  truth_sun_make(&s.sun, asked->light, asked->samples);
   s.rows = host_allocate(view->height, sizeof *s.rows);
   parallel_rows(view->height, light_row, &s, "truth: rays to the sun");
   sum_convergence(convergence, &s);

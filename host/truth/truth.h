@@ -51,13 +51,18 @@ typedef struct truth_convergence {
   double largest_half;
 } truth_convergence;
 
+typedef struct truth_asked {
+  const scene_light *light;
+  double max_depth; /* surfaces beyond it are not asked */
+  uint32_t samples; /* rays for each pixel to a disc, 4 to TRUTH_MAX_SUN_SAMPLES; one goes to a disc of 0 degrees */
+} truth_asked;
+
 /*
- * The share of the sun that each pixel's surface sees: 1 lit, 0 shadowed; 1 where nothing is seen; 0 where it is turned
- * away from the sun's middle, or lies beyond max_depth. One ray for a disc of 0 degrees, else `sun_samples`, 4 to
- * TRUTH_MAX_SUN_SAMPLES. 0, or HOST_BAD_INPUT after a message.
+ * The share of the sun that each pixel's surface sees: 1 lit, 0 shadowed. It is 1 where nothing is seen, and 0 where
+ * the surface is turned away from the sun's middle, or lies beyond max_depth. 0, or HOST_BAD_INPUT after a message.
  */
-int truth_visibility(truth *t, const truth_view *view, const scene_light *light, double max_depth, uint32_t sun_samples,
-                     float *visibility, truth_convergence *convergence);
+int truth_visibility(truth *t, const truth_view *view, const truth_asked *asked, float *visibility,
+                     truth_convergence *convergence);
 
 /* Whether another camera sees each pixel's point too, from the same side. 0, or HOST_BAD_INPUT after a message. */
 int truth_seen(truth *t, const truth_view *view, const camera *other, uint8_t *seen);

@@ -9,20 +9,10 @@ import sys
 cc, root = shlex.split(sys.argv[1]), pathlib.Path(sys.argv[2])
 body = re.search(r"```c\n(.*?)```", (root / "README.md").read_text(), re.DOTALL)[1]
 source = f"""#include "csm/csm.h"
-typedef struct engine {{
-  csm_context *context;
-  csm_cascades *cascades;
-  csm_view *view;
-  csm_scene *scene;
-  csm_mesh mesh;
-}} engine;
-void example(engine engine, csm_mesh_info mesh_info, csm_scene_batch instances, csm_scene_batch moved, csm_frame frame);
-void example(engine engine, csm_mesh_info mesh_info, csm_scene_batch instances, csm_scene_batch moved, csm_frame frame) {{
-  csm_context *context = engine.context;
-  csm_cascades *cascades = engine.cascades;
-  csm_view *view = engine.view;
-  csm_scene *scene = engine.scene;
-  csm_mesh mesh = engine.mesh;
+#define PARAMETERS csm_context *context, csm_cascades *cascades, csm_view *view, csm_scene *scene, \\
+  csm_mesh_info mesh_info, csm_mesh mesh, csm_scene_batch batch, csm_scene_batch moved, csm_frame frame
+void example(PARAMETERS);
+void example(PARAMETERS) {{
 {body}}}
 """
 command = [*cc, "-fsyntax-only", "-x", "c", "-std=c11", "-Wall", "-Wextra", "-Werror", f"-I{root}/api/include", "-"]

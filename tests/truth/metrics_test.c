@@ -278,9 +278,9 @@ static void depth_buffers_are_understood(void **state) {
   projection[10] = -1000.0 / 999.9;
   projection[14] = -100.0 / 999.9;
   projection[8] = 0.4;
-  assert_null(camera_from_matrices(&cameras[1], plain.view, projection));
+  assert_null(camera_from_matrices(&cameras[1], plain.view, projection, NULL));
   const double flat[16] = {0.15, 0, 0, 0, 0, 0.2, 0, 0, 0, 0, -1.0 / 40.0, 0, 0.1, -0.1, 0.05, 1};
-  assert_null(camera_from_matrices(&cameras[2], plain.view, flat));
+  assert_null(camera_from_matrices(&cameras[2], plain.view, flat, &(bool){false}));
   for (int i = 0; i < 3; i++) {
     camera_rays rays;
     const double *m = cameras[i].projection;

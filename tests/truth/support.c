@@ -73,8 +73,8 @@ camera look(const double from[3], const double at[3], double fov_deg, double asp
   return made;
 }
 
-void ask(answer *out, const scene *s, const camera *from, uint32_t width, uint32_t height, const scene_light *light,
-         uint32_t sun_samples, bool alpha_test) {
+void ask(answer *out, const scene *s, const camera *from, const truth_asked *asked, bool alpha_test) {
+  const uint32_t width = ANSWER_WIDTH, height = ANSWER_HEIGHT;
   const size_t pixels = (size_t)width * height;
   *out = (answer){.view = {.camera = from, .width = width, .height = height}};
   out->view.surfaces = calloc(pixels, sizeof *out->view.surfaces);
@@ -82,7 +82,7 @@ void ask(answer *out, const scene *s, const camera *from, uint32_t width, uint32
   uint32_t *triangles = calloc(pixels, sizeof *triangles);
   truth *caster = truth_create(s, alpha_test);
   if (truth_find(caster, from, width, height, triangles) || truth_view_fill(caster, &out->view, triangles) ||
-      truth_visibility(caster, &out->view, light, INFINITY, sun_samples, out->visibility, &out->convergence))
+      truth_visibility(caster, &out->view, asked, out->visibility, &out->convergence))
     abort();
   truth_destroy(caster);
   free(triangles);
@@ -143,12 +143,12 @@ uint32_t brute_nearest(const brute *b, const double from[3], const double direct
   return nearest;
 }
 
-void brute_ray(const camera *from, uint32_t width, uint32_t height, uint32_t column, uint32_t row, double origin[3],
-               double direction[3]) {
+void brute_ray(const truth_view *view, uint32_t column, uint32_t row, double origin[3], double direction[3]) {
+  const camera *from = view->camera;
   double unproject[16], unview[16], ends[2][4], world[2][4];
   mat_invert(unproject, from->projection);
   mat_invert(unview, from->view);
-  const double x = (2.0 * column + 1.0) / width - 1.0, y = 1.0 - (2.0 * row + 1.0) / height;
+  const double x = (2.0 * column + 1.0) / view->width - 1.0, y = 1.0 - (2.0 * row + 1.0) / view->height;
   const double depths[2] = {from->reversed ? 1.0 : 0.0, 0.25};
   for (int i = 0; i < 2; i++) {
     mat_transform(ends[i], unproject, (const double[3]){x, y, depths[i]}, 1.0);

@@ -18,14 +18,15 @@ void add_random(scene *s, uint32_t count, double reach, double size, uint32_t se
 
 camera look(const double from[3], const double at[3], double fov_deg, double aspect);
 
-/* What the caster is asked for at once. The caller frees surfaces and visibility. */
+enum { ANSWER_WIDTH = 160, ANSWER_HEIGHT = 120 };
+
+/* What the caster says of one picture. answer_free it. */
 typedef struct answer {
   truth_view view;
   float *visibility;
   truth_convergence convergence;
 } answer;
-void ask(answer *out, const scene *s, const camera *from, uint32_t width, uint32_t height, const scene_light *light,
-         uint32_t sun_samples, bool alpha_test);
+void ask(answer *out, const scene *s, const camera *from, const truth_asked *asked, bool alpha_test);
 void answer_free(answer *a);
 
 /* ---- brute force, in doubles, over the exact triangles: one after the other (Moeller and Trumbore 1997) ---- */
@@ -45,7 +46,6 @@ void brute_free(brute *b);
 uint32_t brute_nearest(const brute *b, const double from[3], const double direction[3], uint32_t skip,
                        double *distance);
 /* The ray through a pixel's centre, from the inverse of projection times view. */
-void brute_ray(const camera *from, uint32_t width, uint32_t height, uint32_t column, uint32_t row, double origin[3],
-               double direction[3]);
+void brute_ray(const truth_view *view, uint32_t column, uint32_t row, double origin[3], double direction[3]);
 
 #endif

@@ -13,8 +13,8 @@
 #include <unistd.h>
 #include <cmocka.h>
 
-#define WIDTH 160
-#define HEIGHT 120
+#define WIDTH ANSWER_WIDTH
+#define HEIGHT ANSWER_HEIGHT
 #define PI 3.14159265358979323846
 
 static const double nowhere[3] = {0, 0, 0};
@@ -46,7 +46,7 @@ static void check_box_shadow(const double offset[3]) {
   const camera from = look(eye, offset, 50.0, (double)WIDTH / HEIGHT);
   const scene_light light = {.direction = {0.5, -0.8, 0.3}};
   answer a;
-  ask(&a, &s, &from, WIDTH, HEIGHT, &light, 1, false);
+  ask(&a, &s, &from, &(truth_asked){&light, INFINITY, 1}, false);
   uint32_t shadowed = 0, lit = 0;
   for (uint32_t row = 0; row < HEIGHT; row++)
     for (uint32_t column = 0; column < WIDTH; column++) {
@@ -54,7 +54,7 @@ static void check_box_shadow(const double offset[3]) {
       double origin[3], direction[3], point[3];
       if (surface->triangle > 1)
         continue;
-      brute_ray(&from, WIDTH, HEIGHT, column, row, origin, direction);
+      brute_ray(&a.view, column, row, origin, direction);
       vec_subtract(origin, origin, offset);
       const double along = -origin[1] / direction[1];
       for (int axis = 0; axis < 3; axis++)
@@ -103,13 +103,14 @@ static void straight_edge_has_its_penumbra(void **state) {
   add_quad(&s, roof, nowhere);
   const camera from = look((const double[3]){0, 3, 0.01}, nowhere, 30.0, (double)WIDTH / HEIGHT);
   answer a;
-  ask(&a, &s, &from, WIDTH, HEIGHT, &(scene_light){.direction = {0, -1, 0}, .disc_deg = disc_deg}, 1024, false);
+  ask(&a, &s, &from, &(truth_asked){&(scene_light){.direction = {0, -1, 0}, .disc_deg = disc_deg}, INFINITY, 1024},
+      false);
   double largest = 0.0, sum = 0.0;
   uint32_t count = 0;
   for (uint32_t row = 0; row < HEIGHT; row++)
     for (uint32_t column = 0; column < WIDTH; column++) {
       double origin[3], direction[3];
-      brute_ray(&from, WIDTH, HEIGHT, column, row, origin, direction);
+      brute_ray(&a.view, column, row, origin, direction);
       const double x = origin[0] - origin[1] / direction[1] * direction[0];
       const double expected = disc_share(-atan(x / 10.0) / radius);
       const double error = a.visibility[pixel_at(column, row)] - expected;
@@ -159,12 +160,12 @@ static uint32_t compare_with_brute_force(const scene *s, const camera *from, con
   uint32_t differing = 0, seen = 0, shadowed = 0;
   double towards[3] = {-light->direction[0], -light->direction[1], -light->direction[2]};
   brute_make(&b, s);
-  ask(&a, s, from, WIDTH, HEIGHT, light, 1, false);
+  ask(&a, s, from, &(truth_asked){light, INFINITY, 1}, false);
   for (uint32_t row = 0; row < HEIGHT; row++)
     for (uint32_t column = 0; column < WIDTH; column++) {
       const truth_surface *surface = &a.view.surfaces[pixel_at(column, row)];
       double origin[3], direction[3], point[3], distance, away;
-      brute_ray(from, WIDTH, HEIGHT, column, row, origin, direction);
+      brute_ray(&a.view, column, row, origin, direction);
       const uint32_t triangle = brute_nearest(&b, origin, direction, TRUTH_NOTHING, &distance);
       if (triangle != surface->triangle) {
         differing++;
@@ -199,12 +200,12 @@ static uint32_t make_cameras(camera *out, const double eye[3], const double at[3
   memcpy(projection, plain.projection, sizeof projection);
   projection[8] = 0.3;
   projection[9] = -0.2;
-  assert_null(camera_from_matrices(&out[count++], plain.view, projection));
+  assert_null(camera_from_matrices(&out[count++], plain.view, projection, NULL));
 
   memcpy(projection, plain.projection, sizeof projection);
   projection[10] = -1.0;
   projection[14] = -0.1;
-  assert_null(camera_from_matrices(&out[count++], plain.view, projection));
+  assert_null(camera_from_matrices(&out[count++], plain.view, projection, NULL));
 
   memcpy(view, plain.view, sizeof view);
   memcpy(projection, plain.projection, sizeof projection);
@@ -212,10 +213,10 @@ static uint32_t make_cameras(camera *out, const double eye[3], const double at[3
     view[column * 4 + 2] = -view[column * 4 + 2];
   projection[10] = -projection[10];
   projection[11] = 1.0;
-  assert_null(camera_from_matrices(&out[count++], view, projection));
+  assert_null(camera_from_matrices(&out[count++], view, projection, NULL));
 
   const double flat[16] = {0.15, 0, 0, 0, 0, 0.2, 0, 0, 0, 0, -1.0 / 40.0, 0, 0.1, -0.1, 0, 1};
-  assert_null(camera_from_matrices(&out[count++], plain.view, flat));
+  assert_null(camera_from_matrices(&out[count++], plain.view, flat, NULL));
   return count;
 }
 
@@ -252,7 +253,7 @@ static void brute_force_measures_alike(void **state) {
     const scene_light light = {.direction = {0.3, -0.9, 0.2}};
     answer a;
     brute b;
-    ask(&a, &s, &from, WIDTH, HEIGHT, &light, 1, false);
+    ask(&a, &s, &from, &(truth_asked){&light, INFINITY, 1}, false);
     brute_make(&b, &s);
     float *visibility = calloc(WIDTH * HEIGHT, sizeof *visibility), *mask = calloc(WIDTH * HEIGHT, sizeof *mask);
     float *depth = calloc(WIDTH * HEIGHT, sizeof *depth);
@@ -261,7 +262,7 @@ static void brute_force_measures_alike(void **state) {
       for (uint32_t column = 0; column < WIDTH; column++) {
         double origin[3], direction[3], point[3], distance, away;
         const size_t pixel = pixel_at(column, row);
-        brute_ray(&from, WIDTH, HEIGHT, column, row, origin, direction);
+        brute_ray(&a.view, column, row, origin, direction);
         const uint32_t triangle = brute_nearest(&b, origin, direction, TRUTH_NOTHING, &distance);
         mask[pixel] = (column / 3 + row / 5) % 4 ? a.visibility[pixel] : 1.0f - a.visibility[pixel];
         if (triangle == TRUTH_NOTHING)
@@ -353,13 +354,13 @@ static void surface_does_not_shadow_itself(void **state) {
                            1.0 - 1.0 / HEIGHT + 20.0 / HEIGHT,
                            -0.5,
                            1};
-  assert_null(camera_from_matrices(&cameras[1], down, flat));
+  assert_null(camera_from_matrices(&cameras[1], down, flat, NULL));
   for (int i = 0; i < 2; i++)
     for (int turn = 0; turn < 8; turn++) {
       answer a;
       uint32_t seen = 0;
       const scene_light light = {.direction = {cos(turn), -0.5, sin(turn)}};
-      ask(&a, &s, &cameras[i], WIDTH, HEIGHT, &light, 1, false);
+      ask(&a, &s, &cameras[i], &(truth_asked){&light, INFINITY, 1}, false);
       for (size_t k = 0; k < WIDTH * HEIGHT; k++) {
         seen += a.view.surfaces[k].triangle != TRUTH_NOTHING;
         assert_true(a.visibility[k] == 1.0f);
@@ -381,7 +382,8 @@ static void mirrored_instances_face_right(void **state) {
   const camera inside = look(nowhere, (const double[3]){1, 0.2, 0.1}, 40.0, (double)WIDTH / HEIGHT);
   for (int within = 0; within < 2; within++) {
     answer a;
-    ask(&a, &s, within ? &inside : &outside, WIDTH, HEIGHT, &(scene_light){.direction = {0, -1, 0}}, 1, false);
+    ask(&a, &s, within ? &inside : &outside, &(truth_asked){&(scene_light){.direction = {0, -1, 0}}, INFINITY, 1},
+        false);
     for (size_t i = 0; i < WIDTH * HEIGHT; i++)
       if (a.view.surfaces[i].triangle != TRUTH_NOTHING)
         assert_int_equal(a.view.surfaces[i].behind, within);
@@ -432,11 +434,11 @@ static void cut_out_leaf_casts_what_is_left(void **state) {
   for (int alpha_test = 0; alpha_test < 2; alpha_test++) {
     answer a;
     uint32_t shadowed[2] = {0};
-    ask(&a, &s, &from, WIDTH, HEIGHT, &(scene_light){.direction = {0, -1, 0}}, 1, alpha_test);
+    ask(&a, &s, &from, &(truth_asked){&(scene_light){.direction = {0, -1, 0}}, INFINITY, 1}, alpha_test);
     for (uint32_t row = 0; row < HEIGHT; row++)
       for (uint32_t column = 0; column < WIDTH; column++) {
         double origin[3], direction[3];
-        brute_ray(&from, WIDTH, HEIGHT, column, row, origin, direction);
+        brute_ray(&a.view, column, row, origin, direction);
         const double along = -origin[1] / direction[1];
         const double x = origin[0] + along * direction[0], z = origin[2] + along * direction[2];
         if (a.view.surfaces[pixel_at(column, row)].triangle > 1 || fabs(x) < 1e-3)
@@ -463,7 +465,7 @@ static void second_camera_sees_past_nothing(void **state) {
   const camera first = look((const double[3]){0, 8, 0.01}, nowhere, 60.0, (double)WIDTH / HEIGHT);
   const camera second = look((const double[3]){0, 1, 6}, (const double[3]){0, 0.5, 0}, 70.0, (double)WIDTH / HEIGHT);
   answer a;
-  ask(&a, &s, &first, WIDTH, HEIGHT, &(scene_light){.direction = {0, -1, 0}}, 1, false);
+  ask(&a, &s, &first, &(truth_asked){&(scene_light){.direction = {0, -1, 0}}, INFINITY, 1}, false);
   uint8_t *seen = malloc(WIDTH * HEIGHT);
   truth *caster = truth_create(&s, false);
   assert_int_equal(truth_seen(caster, &a.view, &second, seen), 0);
@@ -471,7 +473,7 @@ static void second_camera_sees_past_nothing(void **state) {
   for (uint32_t row = 0; row < HEIGHT; row++)
     for (uint32_t column = 0; column < WIDTH; column++) {
       double origin[3], direction[3];
-      brute_ray(&first, WIDTH, HEIGHT, column, row, origin, direction);
+      brute_ray(&a.view, column, row, origin, direction);
       const double along = -origin[1] / direction[1];
       const double x = origin[0] + along * direction[0], z = origin[2] + along * direction[2];
       if (a.view.surfaces[pixel_at(column, row)].triangle > 1)
@@ -520,16 +522,19 @@ static void store_finds_what_it_kept(void **state) {
     const truth_view view = {.camera = &from, .width = WIDTH, .height = HEIGHT, .surfaces = surfaces[i]};
     assert_int_equal(truth_store_open(&store, &s, false, folder), 0);
     assert_int_equal(truth_store_view(&store, &view), 0);
-    assert_int_equal(truth_store_visibility(&store, &view, &lights[0], 50.0, 1, visibility[i], &convergence), 0);
+    assert_int_equal(
+        truth_store_visibility(&store, &view, &(truth_asked){&lights[0], 50.0, 1}, visibility[i], &convergence), 0);
     assert_int_equal(store.cast, i == 1 ? 0 : 2);
     assert_int_equal(store.loaded, i == 1 ? 2 : 0);
     if (i == 1) { /* another light is another truth; then the scene changes */
       float *other = calloc(WIDTH * HEIGHT, sizeof *other);
-      assert_int_equal(truth_store_visibility(&store, &view, &lights[1], 50.0, 64, other, &convergence), 0);
+      assert_int_equal(truth_store_visibility(&store, &view, &(truth_asked){&lights[1], 50.0, 64}, other, &convergence),
+                       0);
       assert_true(convergence.pixels > 0);
       const scene_light wider = {.direction = {0.3, -1, 0.1}, .disc_deg = 4.0};
-      assert_int_equal(truth_store_visibility(&store, &view, &wider, 50.0, 64, other, &convergence), 0);
-      assert_int_equal(truth_store_visibility(&store, &view, &lights[0], 40.0, 1, other, &convergence), 0);
+      assert_int_equal(truth_store_visibility(&store, &view, &(truth_asked){&wider, 50.0, 64}, other, &convergence), 0);
+      assert_int_equal(truth_store_visibility(&store, &view, &(truth_asked){&lights[0], 40.0, 1}, other, &convergence),
+                       0);
       assert_int_equal(store.cast, 3);
       free(other);
       s.meshes[0].positions[1] = 0.25f;
