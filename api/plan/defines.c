@@ -1,8 +1,6 @@
 /* defines.c: what fixes shaders/include/csm_sample.inc to a configuration. */
 #include "plan/internal.h"
 
-#include <stdio.h>
-
 bool plan_maps_alike(const csm_config *config) {
   if (config->map_layout != CSM_LAYOUT_ARRAY)
     return false;
@@ -21,7 +19,7 @@ typedef struct define {
   uint32_t value;
 } define;
 
-enum { MOST_DEFINES = 16, MOST_LINE = 64 };
+enum { MOST_DEFINES = 16 };
 
 static uint32_t list_defines(define out[MOST_DEFINES], const csm_config *config) {
   uint32_t count = 0;
@@ -43,18 +41,40 @@ static uint32_t list_defines(define out[MOST_DEFINES], const csm_config *config)
   return count;
 }
 
-size_t plan_shader_defines(const csm_config *config, char *text, size_t size) {
+/* A text that counts what does not fit. */
+typedef struct text {
+  char *to;
+  size_t size, length;
+} text;
+
+static void put_text(text *out, const char *words) {
+  for (; *words; ++words, ++out->length)
+    if (out->length + 1 < out->size)
+      out->to[out->length] = *words;
+}
+
+static void put_number(text *out, uint32_t value) {
+  char digits[11] = {0};
+  int first = 10;
+  do {
+    digits[--first] = (char)('0' + value % 10);
+    value /= 10;
+  } while (value);
+  put_text(out, &digits[first]);
+}
+
+size_t plan_shader_defines(const csm_config *config, char *to, size_t size) {
   define defines[MOST_DEFINES];
-  char line[MOST_LINE];
+  text out = {.to = to, .size = size};
   const uint32_t count = list_defines(defines, config);
-  size_t length = 0;
   for (uint32_t i = 0; i < count; ++i) {
-    const size_t more = (size_t)snprintf(line, sizeof line, "#define %s %u\n", defines[i].name, defines[i].value);
-    for (size_t k = 0; k < more; ++k, ++length)
-      if (length + 1 < size)
-        text[length] = line[k];
+    put_text(&out, "#define ");
+    put_text(&out, defines[i].name);
+    put_text(&out, " ");
+    put_number(&out, defines[i].value);
+    put_text(&out, "\n");
   }
   if (size)
-    text[length < size ? length : size - 1] = '\0';
-  return length + 1;
+    to[out.length < size ? out.length : size - 1] = '\0';
+  return out.length + 1;
 }

@@ -128,8 +128,6 @@ static csm_result take(plan_instance *instance, const instances_meshes *meshes, 
     const uint32_t flags = read_uint(&batch->flags, index);
     if (flags & ~(uint32_t)PLAN_FLAGS)
       return fail(error, CSM_ERROR_INVALID_VALUE, index, "there are unknown flags");
-    if ((flags & PLAN_CASTS_ONLY) && (flags & PLAN_RECEIVES_ONLY))
-      return fail(error, CSM_ERROR_INVALID_VALUE, index, "its flags are CAST_ONLY and RECEIVE_ONLY");
     if (flags & PLAN_CASTS_ONLY && flags & PLAN_RECEIVES_ONLY)
       return fail(error, CSM_ERROR_INVALID_VALUE, index, "flags say both that it only casts and that it only receives");
     instance->flags = flags | (instance->flags & PLAN_DEGENERATE);

@@ -103,6 +103,7 @@ static void describe_abilities(gpu_device *device, const VkPhysicalDeviceLimits 
   const uint32_t anisotropy = (uint32_t)limits->maxSamplerAnisotropy;
   can->max_anisotropy = device->features.samplerAnisotropy ? minimum(anisotropy, GPU_MAX_ANISOTROPY) : 1;
   can->max_storage_size = limits->maxStorageBufferRange;
+  can->max_buffers = minimum(limits->maxPerStageDescriptorStorageBuffers, GPU_MAX_BUFFERS + GPU_MAX_STORES);
   can->indirect = true;
   can->pixel_stores = device->features.fragmentStoresAndAtomics;
   can->bias_clamp = device->features.depthBiasClamp;

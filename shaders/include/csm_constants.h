@@ -1,6 +1,6 @@
 /*
- * csm_constants.h: the constants that shaders sample the cascades with, laid out once for C, HLSL and GLSL. All are float4,
- * so that every compiler agrees on the offsets. Positions are world positions relative to csm_binding.origin.
+ * csm_constants.h: the constants that shaders sample the cascades with, laid out once for C, HLSL and GLSL. All are
+ * float4, so that every compiler agrees on the offsets. Positions are world positions relative to csm_binding.origin.
  *
  * There are two blocks. The first says where the maps lie, and never changes. The second holds the settings of the
  * technique that reads them. Both may be bound as one array of CSM_C_COUNT float4: the second begins at CSM_S_BEGIN.
@@ -11,8 +11,9 @@
 #define CSM_CONSTANTS_CASCADES 8
 
 /*
- * The cascades. Light space has three axes: right, up, and along the light's way. A map's own space is clip space: right
- * and up from -1 to 1 over the map, and depth from 0 to 1. A cascade takes light space there by a scale and an offset.
+ * The cascades. Light space has three axes: right, up, and along the light's way. A map's own space is clip space:
+ * right and up from -1 to 1 over the map, and depth from 0 to 1. A cascade takes light space there by a scale and an
+ * offset.
  */
 #define CSM_C_PARAMS 0   /* cascade count, view depth where shadows end, 1 / width and 1 / height of the maps' image */
 #define CSM_C_DEPTH 1    /* view depth of a relative position p: dot(p, xyz) + w */
@@ -20,10 +21,10 @@
 #define CSM_C_SPLITS 5   /* two: where cascades 0..3 and 4..7 end, as view depth; unused ones repeat the last */
 #define CSM_C_SCALES 7   /* eight: scale of right, up and depth */
 #define CSM_C_OFFSETS 15 /* eight: offset of right, up and depth */
-#define CSM_C_TEXELS 23  /* eight: larger texel side in metres, depth per metre, share of the map that samples may lie in, \
-                            texel area in square metres */
-#define CSM_C_RECTS 31   /* eight: the map's first texel (x, y), its side in texels, its layer */
-#define CSM_C_GRID 39    /* two, a float for each cascade: x + 4096 y, the world's place of the map's lower left texel */
+/* Eight: larger texel side in metres, depth per metre, share of the map that samples may lie in, texel area in m2 */
+#define CSM_C_TEXELS 23
+#define CSM_C_RECTS 31 /* eight: the map's first texel (x, y), its side in texels, its layer */
+#define CSM_C_GRID 39  /* two, a float for each cascade: x + 4096 y, the world's place of the map's lower left texel */
 #define CSM_C_CASCADES_COUNT 41
 
 /* The settings. Enumerations are those of csm_config; csm_enums.h has their names. */
@@ -33,7 +34,7 @@
 #define CSM_S_MODES 50   /* selection, out of range, blending, normal offset mode */
 #define CSM_S_BAND 51    /* blending: share; fading: where it begins, 1 / its length; where the first cascade begins */
 #define CSM_S_KERNEL 52  /* filter, its taps or points, radius in texels, 1 / sum of the weights */
-#define CSM_S_OPTIONS 53 /* bias mode, early out, 1 or -1 if maps are reversed, depth of a map without casters times that */
+#define CSM_S_OPTIONS 53 /* bias mode, early out, 1 or -1 if maps are reversed, an empty map's depth times that */
 #define CSM_S_WEIGHTS 54 /* four: weights of taps along an axis, from the middle outwards */
 #define CSM_C_COUNT 58
 
@@ -41,9 +42,10 @@
  * The mask pass's own block. A pixel's place is (x, y, depth, 1): x and y in pixels, the depth as in the camera's depth
  * buffer.
  */
-#define CSM_M_LIGHT 0   /* four rows: a pixel's place to light space (right, up, along) times w, and w */
-#define CSM_M_PLANES 4  /* three rows: a plane on screen (depth's change to the right, downwards, -1, depth at pixel 0, 0) \
-                           to its normal in light space, on the viewer's side */
+#define CSM_M_LIGHT 0 /* four rows: a pixel's place to light space (right, up, along) times w, and w */
+/* Three rows: a plane on screen (depth's change to the right and downwards, -1, depth at pixel 0, 0) to its normal in
+   light space, on the viewer's side */
+#define CSM_M_PLANES 4
 #define CSM_M_NORMALS 7 /* three rows: a texel of the engine's normals (x, y, z, 1) to light space */
 #define CSM_M_SIZE 10   /* width, height, 1 / width, 1 / height */
 #define CSM_M_CLEAR 11  /* depth of a pixel without a surface; CSM_VIEW_* */

@@ -45,7 +45,8 @@ static const struct {
     {"HLSL, fixed", .depths = true, .made_for = FOR_FIXED},
     {"HLSL, two lights", .depths = true, .sampler_count = 1, .samplers = {GPU_SAMPLER_POINT_CLAMP}},
     {"HLSL, points", .depths = true, .made_for = FOR_POINTS},
-    {"GLSL, comparisons", .glsl = true, .sampler_count = 2, .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL, GPU_SAMPLER_POINT_CLAMP}},
+    {"GLSL, comparisons", .glsl = true, .sampler_count = 2,
+     .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL, GPU_SAMPLER_POINT_CLAMP}},
     {"GLSL, depths", .glsl = true, .depths = true, .sampler_count = 2,
      .samplers = {GPU_SAMPLER_COMPARE_LESS_EQUAL, GPU_SAMPLER_POINT_CLAMP}},
     {"GLSL, fixed", .glsl = true, .made_for = FOR_FIXED, .sampler_count = 2,
@@ -216,7 +217,8 @@ static void check_defines(bench *b, const csm_config *config) {
   if (config->filter != CSM_FILTER_PCF_3X3 || config->bias_mode != CSM_BIAS_RECEIVER_PLANE)
     return;
   check(b, plan_shader_defines(config, NULL, 0) == sizeof fixed_defines, "the defines' size can be asked");
-  check(b, plan_shader_defines(config, text, 9) == sizeof fixed_defines && !strcmp(text, "#define "), "no more is written");
+  check(b, plan_shader_defines(config, text, 9) == sizeof fixed_defines && !strcmp(text, "#define "),
+        "no more is written");
   check(b, plan_shader_defines(config, text, sizeof text) == sizeof fixed_defines && !strcmp(text, fixed_defines),
         "the defines are those that the fixed shaders were made with");
   b->fixed = true;
@@ -354,10 +356,8 @@ static csm_result make_programs(bench *b) {
       if (!bias || filter != CSM_FILTER_LINEAR_DEPTH)
         result = make_mask(b, filter, bias);
   if (!result) {
-    const gpu_bindings_info inputs = {.name = "mask",
-                                      .program = b->mask[0][0],
-                                      .constants = {b->upload, b->upload},
-                                      .textures = {b->maps, b->depth}};
+    const gpu_bindings_info inputs = {
+        .name = "mask", .program = b->mask[0][0], .constants = {b->upload, b->upload}, .textures = {b->maps, b->depth}};
     result = b->gpu.api->bindings_create(b->gpu.device, &inputs, &b->mask_bindings);
   }
   for (uint32_t reader = 0; reader < READERS && !result; ++reader)

@@ -48,7 +48,8 @@ static void make_scene(random_scene *out, uint64_t seed) {
                          centre[2] + uniform(&state, -30, 30)};
   const double target[3] = {centre[0], centre[1] + 2, centre[2] + 0.5};
   support_look_at(out->shot.camera.view, eye, target);
-  support_perspective(out->shot.camera.projection, uniform(&state, 25, 90), (double)width / height, 0.2, seed % 2 ? 0 : 400);
+  support_perspective(out->shot.camera.projection, uniform(&state, 25, 90), (double)width / height, 0.2,
+                      seed % 2 ? 0 : 400);
   for (uint32_t i = 0; i <= boxes; ++i) {
     out->shape[i] = i < boxes;
     random_transform(&state, centre, out->transforms[i]);

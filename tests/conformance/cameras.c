@@ -134,6 +134,10 @@ static void a_perspective_knows_which_way_depth_runs(void **state) {
     shot.camera.reversed = reversed ? CSM_REVERSED_YES : CSM_REVERSED_NO;
     outcome said = outcome_draw(f.context, f.cascades, f.view, &shot);
     assert_true(silent.plan_hash == said.plan_hash);
+    shot.camera.reversed = reversed ? CSM_REVERSED_NO : CSM_REVERSED_YES;
+    f.record.quiet = true;
+    assert_int_equal(csm_render_cascades(f.cascades, shot_frame(&shot)), CSM_ERROR_INVALID_CAMERA);
+    assert_non_null(strstr(csm_last_error(f.context), "reversed"));
     outcome_expect_same(&silent, &said, "said");
     outcome_free(&silent);
   }

@@ -67,8 +67,8 @@ static void creation(void **state) {
                         {.pointer = &good},
                         CSM_ERROR_UNSUPPORTED,
                         "device"};
-  const misuse another = {"an engine's device of another API", CREATE(vulkan), {.pointer = &good},
-                          CSM_ERROR_UNSUPPORTED, "device"};
+  const misuse another = {
+      "an engine's device of another API", CREATE(vulkan), {.pointer = &good}, CSM_ERROR_UNSUPPORTED, "device"};
   expect_create(&good, vulkan ? &other : &another);
   csm_create_info both = good;
   both.vulkan = (const void *)&good;

@@ -1,5 +1,5 @@
-/* misuse_frames.c: every misuse of a frame, a mask, or a question about them gets its named error and a text, and leaves
-   all as it was, on every backend alike. */
+/* misuse_frames.c: every misuse of a frame, a mask, or a question about them gets its named error and a text, and
+   leaves all as it was, on every backend alike. */
 #include "misuse_support.h"
 
 #include <math.h>
@@ -325,14 +325,9 @@ static void questions(void **state) {
 
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(cameras),
-      cmocka_unit_test(lights),
-      cmocka_unit_test(frames),
-      cmocka_unit_test(instances),
-      cmocka_unit_test(masks),
-      cmocka_unit_test(a_failed_mask_leaves_the_last),
-      cmocka_unit_test(reading),
-      cmocka_unit_test(questions),
+      cmocka_unit_test(cameras),   cmocka_unit_test(lights),    cmocka_unit_test(frames),
+      cmocka_unit_test(instances), cmocka_unit_test(masks),     cmocka_unit_test(a_failed_mask_leaves_the_last),
+      cmocka_unit_test(reading),   cmocka_unit_test(questions),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
 }

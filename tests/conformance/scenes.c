@@ -127,10 +127,10 @@ static void move_some(fixture *f) {
     memcpy(matrices[i], f->model[moved[i]].transform, sizeof matrices[i]);
     ids[i] = f->ids[moved[i]];
   }
-  succeed(f, csm_scene_move(f->scene, &(csm_scene_batch){.struct_size = sizeof(csm_scene_batch),
-                                                         .count = 2,
-                                                         .ids = ids,
-                                                         .matrices = matrices[0]}));
+  succeed(f,
+          csm_scene_move(f->scene,
+                         &(csm_scene_batch){
+                             .struct_size = sizeof(csm_scene_batch), .count = 2, .ids = ids, .matrices = matrices[0]}));
 }
 
 /* By floats about an origin that is far away; all numbers are exact. */
@@ -158,10 +158,9 @@ static void change_some(fixture *f) {
   f->model[9].flags = CSM_INSTANCE_RECEIVE_ONLY;
   const csm_instance changed[2] = {f->model[2], f->model[9]};
   csm_instance_id ids[2] = {f->ids[2], f->ids[9]};
-  succeed(f, csm_scene_change(f->scene, &(csm_scene_batch){.struct_size = sizeof(csm_scene_batch),
-                                                           .count = 2,
-                                                           .ids = ids,
-                                                           .instances = changed}));
+  succeed(f, csm_scene_change(
+                 f->scene, &(csm_scene_batch){
+                               .struct_size = sizeof(csm_scene_batch), .count = 2, .ids = ids, .instances = changed}));
 }
 
 /* After each batch, and after several without a frame between. */
@@ -207,10 +206,10 @@ static void the_last_of_a_batch_stays(void **state) {
     f.model[4].transform[12] += 1;
     memcpy(matrices[i], f.model[4].transform, sizeof matrices[i]);
   }
-  succeed(&f, csm_scene_move(f.scene, &(csm_scene_batch){.struct_size = sizeof(csm_scene_batch),
-                                                         .count = 2,
-                                                         .ids = ids,
-                                                         .matrices = matrices[0]}));
+  succeed(&f,
+          csm_scene_move(f.scene,
+                         &(csm_scene_batch){
+                             .struct_size = sizeof(csm_scene_batch), .count = 2, .ids = ids, .matrices = matrices[0]}));
   expect_model(&f, "moved twice");
   teardown(&f);
 }
@@ -330,6 +329,26 @@ static void nothing_is_drawn_of_what_is_scaled_to_nothing(void **state) {
   teardown(&f);
 }
 
+/* Nor does it count among what maps reach as far as. */
+static void nothing_reaches_nowhere(void **state) {
+  (void)state;
+  csm_config config = small_config();
+  config.depth_mode = CSM_DEPTH_SCENE;
+  fixture f;
+  setup_with(&f, &config);
+  csm_instance instances[TELLING_INSTANCES + 1];
+  memcpy(instances, f.telling.instances, sizeof f.telling.instances);
+  instances[TELLING_INSTANCES] = support_instance(f.telling.box, 300, 5000, 0, 0, 0, 0);
+  outcome without = draw_list(&f, instances, TELLING_INSTANCES, 0);
+  outcome list = draw_list(&f, instances, TELLING_INSTANCES + 1, 0);
+  add(&f, instances, TELLING_INSTANCES + 1);
+  outcome scene = draw_scene(&f, f.of_scene, 0);
+  outcome_expect_same(&without, &list, "a list");
+  outcome_expect_same(&without, &scene, "a scene");
+  outcome_free(&without);
+  teardown(&f);
+}
+
 /* ---- sharing ---- */
 
 /* Cascades that look away for some frames see what happened meanwhile; each has its own light and settings. */
@@ -369,6 +388,16 @@ static void cascades_and_views_share_a_scene(void **state) {
   teardown(&f);
 }
 
+/* The scene that was drawn last is gone, so nothing more is told of it. */
+static void forgotten(fixture *f) {
+  uint8_t drawn[1];
+  csm_stats stats = {.struct_size = sizeof stats};
+  assert_int_equal(csm_get_stats(f->of_scene, &stats), CSM_SUCCESS);
+  assert_true(stats.plan_hash == 0);
+  f->record.quiet = true;
+  assert_int_equal(csm_get_casters(f->of_scene, 1, f->ids, drawn), CSM_ERROR_INVALID_STATE);
+}
+
 /* Two scenes do not know each other; one that is destroyed leaves the cascades that drew it, and its meshes. */
 static void scenes_are_apart(void **state) {
   (void)state;
@@ -387,6 +416,9 @@ static void scenes_are_apart(void **state) {
   assert_int_equal(csm_scene_destroy(first), CSM_SUCCESS);
   expect_model(&f, "the second scene, alone");
   assert_int_equal(csm_scene_destroy(second), CSM_SUCCESS);
+  forgotten(&f);
+  assert_int_equal(csm_scene_create(f.context, &f.scene), CSM_SUCCESS); /* perhaps where the other one was */
+  forgotten(&f);
   f.count = 0;
   csm_instance list[TELLING_INSTANCES];
   memcpy(list, f.telling.instances, sizeof list);
@@ -475,6 +507,7 @@ int main(int argc, char **argv) {
       cmocka_unit_test(flags_say_who_casts_and_who_is_seen),
       cmocka_unit_test(layers_are_those_of_the_light),
       cmocka_unit_test(nothing_is_drawn_of_what_is_scaled_to_nothing),
+      cmocka_unit_test(nothing_reaches_nowhere),
       cmocka_unit_test(cascades_and_views_share_a_scene),
       cmocka_unit_test(scenes_are_apart),
       cmocka_unit_test(changes_are_counted_and_cost_no_memory),

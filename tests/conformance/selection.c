@@ -376,8 +376,8 @@ static void samples_settle_and_cost_nothing(void **state) {
   close_fixture(&f);
 }
 
-/* Maps that are turned with the light keep their turn when a setting changes, of whatever shape: the first frame after a
-   new bias, and after other maps, has the matrices that it would have had. */
+/* Maps that are turned with the light keep their turn when a setting changes, of whatever shape: the first frame after
+   a new bias, and after other maps, has the matrices that it would have had. */
 static void settings_keep_the_lights_roll(void **state) {
   (void)state;
   enum { STEPS = 24 };
@@ -417,7 +417,8 @@ static void settings_keep_the_lights_roll(void **state) {
   assert_int_equal(csm_render_cascades(fresh, shot_frame(&f.shot)), CSM_SUCCESS);
   assert_int_equal(csm_bind(fresh, &bindings[1]), CSM_SUCCESS);
   for (int i = 0; i < 16; ++i)
-    turned = fmax(turned, fabs(bindings[0].cascades[0].world_to_shadow[i] - bindings[1].cascades[0].world_to_shadow[i]));
+    turned =
+        fmax(turned, fabs(bindings[0].cascades[0].world_to_shadow[i] - bindings[1].cascades[0].world_to_shadow[i]));
   assert_true(turned > 1e-3);
   close_fixture(&f);
 }

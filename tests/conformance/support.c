@@ -185,8 +185,7 @@ const csm_frame *shot_frame(shot *shot) {
 }
 
 csm_result shot_resolve(shot *shot, csm_view *view, csm_cascades *cascades, uint32_t width, uint32_t height) {
-  const csm_mask_info info = {
-      .struct_size = sizeof info, .frame = shot_frame(shot), .width = width, .height = height};
+  const csm_mask_info info = {.struct_size = sizeof info, .frame = shot_frame(shot), .width = width, .height = height};
   return csm_resolve_mask(view, cascades, &info);
 }
 

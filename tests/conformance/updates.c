@@ -49,9 +49,8 @@ static csm_mesh make_cloth(csm_context *context, const cloth *cloth) {
 }
 
 static void update_cloth(csm_context *context, csm_mesh mesh, const cloth *cloth) {
-  const csm_mesh_update_info info = {.struct_size = sizeof info,
-                                     .positions = cloth->positions,
-                                     .position_stride = sizeof cloth->positions[0]};
+  const csm_mesh_update_info info = {
+      .struct_size = sizeof info, .positions = cloth->positions, .position_stride = sizeof cloth->positions[0]};
   const csm_result result = csm_mesh_update(context, mesh, &info);
   if (result)
     fail_msg("%s: %s", csm_result_name(result), csm_last_error(context));
@@ -233,9 +232,8 @@ static void an_update_may_fail(void **state) {
   csm_result result;
   int64_t failures = 0;
   do {
-    const csm_mesh_update_info info = {.struct_size = sizeof info,
-                                       .positions = f.cloth.positions,
-                                       .position_stride = sizeof f.cloth.positions[0]};
+    const csm_mesh_update_info info = {
+        .struct_size = sizeof info, .positions = f.cloth.positions, .position_stride = sizeof f.cloth.positions[0]};
     f.record.allocations_left = failures++;
     result = csm_mesh_update(f.context, f.mesh, &info);
     f.record.allocations_left = -1;
@@ -253,9 +251,9 @@ static void an_update_may_fail(void **state) {
 
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(an_update_is_as_a_new_mesh),      cmocka_unit_test(an_update_may_go_far),
+      cmocka_unit_test(an_update_is_as_a_new_mesh),          cmocka_unit_test(an_update_may_go_far),
       cmocka_unit_test(frames_in_flight_keep_what_they_had), cmocka_unit_test(a_scene_takes_an_update_over),
-      cmocka_unit_test(a_switch_takes_an_update_along),  cmocka_unit_test(an_update_may_fail),
+      cmocka_unit_test(a_switch_takes_an_update_along),      cmocka_unit_test(an_update_may_fail),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
 }

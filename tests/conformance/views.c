@@ -47,10 +47,8 @@ enum { EYES = 3 };
 static void make_eyes(fixture *f, eye eyes[EYES]) {
   static const uint32_t sizes[EYES][2] = {{160, 100}, {160, 100}, {33, 57}};
   for (int i = 0; i < EYES; ++i) {
-    eyes[i] = (eye){.view = support_view(f->context),
-                    .shot = f->scene.shot,
-                    .width = sizes[i][0],
-                    .height = sizes[i][1]};
+    eyes[i] =
+        (eye){.view = support_view(f->context), .shot = f->scene.shot, .width = sizes[i][0], .height = sizes[i][1]};
     eyes[i].shot.frame.instances = f->scene.instances;
   }
   eyes[1].shot.camera.view[12] -= 0.064;
@@ -294,14 +292,32 @@ static void a_failed_resolve_keeps_depth_samples(void **state) {
   teardown(&f);
 }
 
+/* The first frame after a switch is fitted to what was seen on the device before: the splits do not jump. */
+static void a_switch_keeps_depth_samples(void **state) {
+  (void)state;
+  if (!strcmp(support_backend(), "null"))
+    return;
+  fixture f;
+  eye eyes[EYES];
+  setup_with(&f, CSM_CREATE_KEEP_GEOMETRY);
+  make_eyes(&f, eyes);
+  f.config.shadow_distance = 1000;
+  f.config.depth_samples = CSM_DEPTH_SAMPLES_SPLITS;
+  assert_int_equal(csm_cascades_configure(f.cascades, &f.config), CSM_SUCCESS);
+  const double unfitted = settle(&f, f.cascades, eyes, 0, 1), settled = settle(&f, f.cascades, eyes, 1, 6);
+  assert_true(settled < unfitted / 2);
+  csm_create_info info = support_create_info(&f.record);
+  assert_int_equal(csm_switch_backend(f.context, &info), CSM_SUCCESS);
+  assert_true(settle(&f, f.cascades, eyes, 0, 0) == settled);
+  teardown(&f);
+}
+
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(views_do_not_disturb_each_other),
-      cmocka_unit_test(a_view_may_change_its_cascades),
-      cmocka_unit_test(views_may_go_at_any_time),
-      cmocka_unit_test(a_switch_takes_views_along),
-      cmocka_unit_test(cascades_fit_what_all_views_saw),
-      cmocka_unit_test(a_failed_resolve_keeps_depth_samples),
+      cmocka_unit_test(views_do_not_disturb_each_other), cmocka_unit_test(a_view_may_change_its_cascades),
+      cmocka_unit_test(views_may_go_at_any_time),        cmocka_unit_test(a_switch_takes_views_along),
+      cmocka_unit_test(cascades_fit_what_all_views_saw), cmocka_unit_test(a_failed_resolve_keeps_depth_samples),
+      cmocka_unit_test(a_switch_keeps_depth_samples),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
 }

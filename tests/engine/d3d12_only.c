@@ -34,8 +34,8 @@ static void images_are_held_while_in_flight(void **state) {
   stage stage;
   rig *rig = rig_open(RIG_TYPICAL);
   stage_open(&stage, rig);
-  rig_image *image = rig_image_make(
-      rig, &(rig_image_info){.format = RIG_DEPTH_32, .width = WIDTH, .height = HEIGHT, .texels = depth});
+  rig_image *image =
+      rig_image_make(rig, &(rig_image_info){.format = RIG_DEPTH_32, .width = WIDTH, .height = HEIGHT, .texels = depth});
   ID3D12Resource *resource = rig_d3d12_resource(image);
   rig_begin(rig);
   shot shot = stage_shot(&stage, 0);
@@ -216,8 +216,8 @@ static void reader_open(reader *reader, rig *rig, uint32_t size) {
       ID3D12Device_CreateDescriptorHeap(rig->device, &heap, &IID_ID3D12DescriptorHeap, (void **)&reader->heap),
       "a heap");
   rig_d3d12_must(ID3D12Device_CreateDescriptorHeap(rig->device, &targets, &IID_ID3D12DescriptorHeap,
-                                                      (void **)&reader->target_heap),
-                    "a heap");
+                                                   (void **)&reader->target_heap),
+                 "a heap");
   ID3D12Device_CreateRenderTargetView(rig->device, reader->target, NULL,
                                       ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(reader->target_heap));
   reader->copy = rig_buffer_make(rig, RIG_READBACK, (uint64_t)rig_pitch(size, 16) * size);
@@ -238,7 +238,7 @@ static void reader_draw(const reader *reader) {
   const D3D12_VIEWPORT viewport = {.Width = (float)reader->size, .Height = (float)reader->size, .MaxDepth = 1};
   const D3D12_RECT scissor = {.right = (LONG)reader->size, .bottom = (LONG)reader->size};
   rig_d3d12_barrier(list, reader->target, D3D12_RESOURCE_STATE_PIXEL_SHADER_RESOURCE,
-                       D3D12_RESOURCE_STATE_RENDER_TARGET);
+                    D3D12_RESOURCE_STATE_RENDER_TARGET);
   ID3D12GraphicsCommandList_OMSetRenderTargets(list, 1, &target, FALSE, NULL);
   ID3D12GraphicsCommandList_RSSetViewports(list, 1, &viewport);
   ID3D12GraphicsCommandList_RSSetScissorRects(list, 1, &scissor);
@@ -250,7 +250,7 @@ static void reader_draw(const reader *reader) {
   ID3D12GraphicsCommandList_IASetPrimitiveTopology(list, D3D_PRIMITIVE_TOPOLOGY_TRIANGLELIST);
   ID3D12GraphicsCommandList_DrawInstanced(list, 3, 1, 0, 0);
   rig_d3d12_barrier(list, reader->target, D3D12_RESOURCE_STATE_RENDER_TARGET,
-                       D3D12_RESOURCE_STATE_PIXEL_SHADER_RESOURCE | D3D12_RESOURCE_STATE_NON_PIXEL_SHADER_RESOURCE);
+                    D3D12_RESOURCE_STATE_PIXEL_SHADER_RESOURCE | D3D12_RESOURCE_STATE_NON_PIXEL_SHADER_RESOURCE);
   rig_copy(reader->rig, &(rig_layer){(uintptr_t)reader->target, 0, reader->size, reader->size, 16}, &reader->copy, 0);
 }
 
@@ -337,14 +337,10 @@ static void recordings_change_what_the_header_lists(void **state) {
 
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(images_are_held_while_in_flight),
-      cmocka_unit_test(meshes_are_held_while_in_flight),
-      cmocka_unit_test(the_device_is_given_back),
-      cmocka_unit_test(every_heap_is_the_engines),
-      cmocka_unit_test(a_feature_level_may_be_too_low),
-      cmocka_unit_test(a_compute_list_is_refused),
-      cmocka_unit_test(descriptors_are_written),
-      cmocka_unit_test(recordings_change_what_the_header_lists),
+      cmocka_unit_test(images_are_held_while_in_flight), cmocka_unit_test(meshes_are_held_while_in_flight),
+      cmocka_unit_test(the_device_is_given_back),        cmocka_unit_test(every_heap_is_the_engines),
+      cmocka_unit_test(a_feature_level_may_be_too_low),  cmocka_unit_test(a_compute_list_is_refused),
+      cmocka_unit_test(descriptors_are_written),         cmocka_unit_test(recordings_change_what_the_header_lists),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
 }

@@ -189,8 +189,10 @@ static void draw_of_kind(const kind *kind) {
 
 static void own_casters_are_drawn(void **state) {
   (void)state;
-  static const kind kinds[] = {{RIG_TYPICAL, CSM_MAP_D32, 0}, {RIG_MODERN, CSM_MAP_D32, 0},
-                               {RIG_TYPICAL, CSM_MAP_D16, 1}, {RIG_MODERN, CSM_MAP_D32, 1}};
+  static const kind kinds[] = {{RIG_TYPICAL, CSM_MAP_D32, 0},
+                               {RIG_MODERN, CSM_MAP_D32, 0},
+                               {RIG_TYPICAL, CSM_MAP_D16, 1},
+                               {RIG_MODERN, CSM_MAP_D32, 1}};
   for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i)
     draw_of_kind(&kinds[i]);
 }

@@ -18,13 +18,20 @@ typedef struct step {
 } step;
 
 static const step steps[STEPS] = {
-    {0, 3, 256, {96, 64}, CSM_FILTER_PCF_3X3, false, false},   {1, 3, 256, {96, 64}, CSM_FILTER_PCF_3X3, false, false},
-    {2, 3, 256, {192, 128}, CSM_FILTER_PCF_3X3, true, false},  {3, 3, 128, {192, 128}, CSM_FILTER_PCF_3X3, true, false},
-    {4, 4, 128, {128, 96}, CSM_FILTER_PCF_3X3, true, false},   {5, 1, 64, {160, 80}, CSM_FILTER_PCF_3X3, true, false},
-    {6, 2, 256, {64, 64}, CSM_FILTER_PCF_3X3, true, false},    {7, 2, 256, {320, 200}, CSM_FILTER_PCF_3X3, false, false},
-    {8, 3, 256, {320, 200}, CSM_FILTER_PCF_3X3, false, false}, {9, 4, 128, {96, 64}, CSM_FILTER_PCF_2X2, false, false},
-    {8, 4, 128, {96, 64}, CSM_FILTER_PCF_2X2, false, false},   {7, 4, 128, {96, 64}, CSM_FILTER_PCF_2X2, false, true},
-    {6, 4, 128, {96, 64}, CSM_FILTER_PCF_2X2, false, false},   {5, 3, 256, {96, 64}, CSM_FILTER_PCF_3X3, false, false},
+    {0, 3, 256, {96, 64}, CSM_FILTER_PCF_3X3, false, false},
+    {1, 3, 256, {96, 64}, CSM_FILTER_PCF_3X3, false, false},
+    {2, 3, 256, {192, 128}, CSM_FILTER_PCF_3X3, true, false},
+    {3, 3, 128, {192, 128}, CSM_FILTER_PCF_3X3, true, false},
+    {4, 4, 128, {128, 96}, CSM_FILTER_PCF_3X3, true, false},
+    {5, 1, 64, {160, 80}, CSM_FILTER_PCF_3X3, true, false},
+    {6, 2, 256, {64, 64}, CSM_FILTER_PCF_3X3, true, false},
+    {7, 2, 256, {320, 200}, CSM_FILTER_PCF_3X3, false, false},
+    {8, 3, 256, {320, 200}, CSM_FILTER_PCF_3X3, false, false},
+    {9, 4, 128, {96, 64}, CSM_FILTER_PCF_2X2, false, false},
+    {8, 4, 128, {96, 64}, CSM_FILTER_PCF_2X2, false, false},
+    {7, 4, 128, {96, 64}, CSM_FILTER_PCF_2X2, false, true},
+    {6, 4, 128, {96, 64}, CSM_FILTER_PCF_2X2, false, false},
+    {5, 3, 256, {96, 64}, CSM_FILTER_PCF_3X3, false, false},
 };
 
 /* A stage that goes through steps. */
@@ -369,14 +376,10 @@ static void contexts_on_two_threads(void **state) {
 
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(frames_wait_on_a_typical_device),
-      cmocka_unit_test(frames_wait_on_a_bare_device),
-      cmocka_unit_test(frames_wait_on_a_modern_device),
-      cmocka_unit_test(destruction_waits_for_the_frame),
-      cmocka_unit_test(uploads_wait_for_nobody),
-      cmocka_unit_test(cascades_share_a_context),
-      cmocka_unit_test(two_contexts_share_a_device),
-      cmocka_unit_test(timestamps_are_those_of_retired_frames),
+      cmocka_unit_test(frames_wait_on_a_typical_device), cmocka_unit_test(frames_wait_on_a_bare_device),
+      cmocka_unit_test(frames_wait_on_a_modern_device),  cmocka_unit_test(destruction_waits_for_the_frame),
+      cmocka_unit_test(uploads_wait_for_nobody),         cmocka_unit_test(cascades_share_a_context),
+      cmocka_unit_test(two_contexts_share_a_device),     cmocka_unit_test(timestamps_are_those_of_retired_frames),
       cmocka_unit_test(contexts_on_two_threads),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);

@@ -164,14 +164,12 @@ static void normals_of_every_coding_agree(void **state) {
   open_telling(&stage, rig);
   trace_normals(&stage, normals);
   rig_image *seen_depth = make_image(rig, RIG_DEPTH_32, 0, depth);
-  picture floats =
-      draw_normals(&stage, seen_depth, make_normals(rig, normals, RIG_RGBA_FLOAT_32, RIG_RGBA_FLOAT_32));
+  picture floats = draw_normals(&stage, seen_depth, make_normals(rig, normals, RIG_RGBA_FLOAT_32, RIG_RGBA_FLOAT_32));
   /* Normals from depth are those of the faces, but for silhouettes. */
   assert_true(picture_mask_difference(&own, &floats, 1) < 0.01);
   assert_true(picture_mask_difference(&own, &floats, 32) < 8.0 / (96 * 64));
   for (size_t i = 0; i < sizeof codings / sizeof codings[0]; ++i) {
-    picture drawn =
-        draw_normals(&stage, seen_depth, make_normals(rig, normals, codings[i].format, codings[i].format));
+    picture drawn = draw_normals(&stage, seen_depth, make_normals(rig, normals, codings[i].format, codings[i].format));
     assert_true(picture_mask_difference(&floats, &drawn, 1) <= codings[i].tolerance);
     assert_true(picture_mask_difference(&own, &drawn, 1) < 0.01);
     picture_free(&drawn);
@@ -233,9 +231,9 @@ typedef struct mesh_layout {
 } mesh_layout;
 
 static const mesh_layout layouts[] = {
-    {12, 2, 0, 0, false, 0xff},  {12, 4, 12, 0, true, 0xff},  {16, 4, 8, 64, true, 0x7f},    {20, 2, 4, 0, true, 0xff},
-    {32, 2, 64, 8, false, 0xff}, {32, 2, 12, 4, true, 0x7f},  {32, 4, 8, 0, true, 0xff},     {52, 4, 20, 8, false, 0xff},
-    {60, 4, 4, 0, false, 0x7f},  {16, 4, 0, 8, false, 0xff},  {2048, 4, 0, 0, true, 0xff},
+    {12, 2, 0, 0, false, 0xff},  {12, 4, 12, 0, true, 0xff}, {16, 4, 8, 64, true, 0x7f},  {20, 2, 4, 0, true, 0xff},
+    {32, 2, 64, 8, false, 0xff}, {32, 2, 12, 4, true, 0x7f}, {32, 4, 8, 0, true, 0xff},   {52, 4, 20, 8, false, 0xff},
+    {60, 4, 4, 0, false, 0x7f},  {16, 4, 0, 8, false, 0xff}, {2048, 4, 0, 0, true, 0xff},
 };
 
 typedef struct engine_mesh {
@@ -310,7 +308,8 @@ static void own_buffers_draw_as_copies(rig_kind kind) {
     const bool last = i + 1 == LAYOUTS;
     if (!last)
       meshes[i + 1] = make_engine_mesh(&stage, &hill, &layouts[i + 1]);
-    picture drawn = draw_meshes(&stage, (const csm_mesh[]){meshes[i].mesh, last ? copies[0] : meshes[i + 1].mesh}, last);
+    picture drawn =
+        draw_meshes(&stage, (const csm_mesh[]){meshes[i].mesh, last ? copies[0] : meshes[i + 1].mesh}, last);
     picture_expect_equal(&expected, &drawn);
     if (!last)
       assert_int_equal(csm_mesh_destroy(stage.context, meshes[i].mesh), CSM_SUCCESS);

@@ -177,9 +177,8 @@ static void engines_buffers_may_change(void **state) {
     if (step) {
       shape(&hill, step);
       memcpy(vertices.mapped, hill.positions, sizeof hill.positions); /* no frame is in flight */
-      const csm_mesh_update_info update = {.struct_size = sizeof update,
-                                           .bounds_min = {-2, -4, -1},
-                                           .bounds_max = {2, 4, 1}};
+      const csm_mesh_update_info update = {
+          .struct_size = sizeof update, .bounds_min = {-2, -4, -1}, .bounds_max = {2, 4, 1}};
       assert_int_equal(csm_mesh_update(stage.context, mesh, &update), CSM_SUCCESS);
     }
     own.scene.instances[1] = support_instance(hill_mesh(own.context, &hill, 2), -1, 2, 1, 3, 2, 3);

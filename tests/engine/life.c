@@ -229,10 +229,26 @@ csm_result life_switch(life *life) {
 
 typedef csm_result (*step)(life *life);
 
-static const step steps[] = {create,      ground,       boxes,       hills,        cascades,    view,
-                             life_render, life_resolve, life_finish, life_render,  life_resolve_images, life_finish,
-                             reconfigure, life_render,  life_resolve, life_finish, life_switch, life_render,
-                             life_resolve, life_finish};
+static const step steps[] = {create,
+                             ground,
+                             boxes,
+                             hills,
+                             cascades,
+                             view,
+                             life_render,
+                             life_resolve,
+                             life_finish,
+                             life_render,
+                             life_resolve_images,
+                             life_finish,
+                             reconfigure,
+                             life_render,
+                             life_resolve,
+                             life_finish,
+                             life_switch,
+                             life_render,
+                             life_resolve,
+                             life_finish};
 enum { STEPS = sizeof steps / sizeof steps[0], FIRST_PICTURE = 8, LAST_PICTURE = STEPS - 1 };
 
 static bool opens(step step) {
@@ -277,7 +293,9 @@ void life_expect_lost(life *life) {
     assert_int_equal(csm_cascades_configure(life->cascades, &other), CSM_ERROR_DEVICE_LOST);
   }
   assert_int_equal(csm_cascades_create(life->context, &other, &none), CSM_ERROR_DEVICE_LOST);
-  assert_int_equal(csm_mesh_destroy(life->context, 1), CSM_ERROR_INVALID_HANDLE); /* what destroys works */
+  const csm_mesh_update_info update = {.struct_size = sizeof update, .positions = life->props->hill.positions};
+  assert_int_equal(csm_mesh_update(life->context, life->instances[2].mesh, &update), CSM_ERROR_DEVICE_LOST);
+  assert_int_equal(csm_mesh_destroy(life->context, 1), CSM_ERROR_INVALID_HANDLE); /* destroying works */
 }
 
 /* ---- a life with one fault ---- */

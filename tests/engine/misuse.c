@@ -79,11 +79,8 @@ static void other_apis_are_refused(void **state) {
   stage stage;
   stage_open(&stage, rig);
   stage.record.quiet = true;
-  csm_mesh_info mesh_info = {.struct_size = sizeof mesh_info,
-                             .vertex_count = 3,
-                             .index_count = 3,
-                             .index_size = 2,
-                             .bounds_max = {1, 1, 1}};
+  csm_mesh_info mesh_info = {
+      .struct_size = sizeof mesh_info, .vertex_count = 3, .index_count = 3, .index_size = 2, .bounds_max = {1, 1, 1}};
   csm_mesh mesh;
   rig_give_foreign_mesh(&mesh_info);
   assert_int_equal(csm_mesh_create(stage.context, &mesh_info, &mesh), CSM_ERROR_UNSUPPORTED);
@@ -301,8 +298,10 @@ static void frames_are_counted(void **state) {
 
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(devices_are_checked), cmocka_unit_test(other_apis_are_refused),
-      cmocka_unit_test(meshes_are_checked),  cmocka_unit_test(images_are_checked),
+      cmocka_unit_test(devices_are_checked),
+      cmocka_unit_test(other_apis_are_refused),
+      cmocka_unit_test(meshes_are_checked),
+      cmocka_unit_test(images_are_checked),
       cmocka_unit_test(alpha_tested_meshes_are_checked),
       cmocka_unit_test(frames_are_counted),
   };

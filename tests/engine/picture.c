@@ -28,7 +28,8 @@ static uint64_t layer_bytes(const picture_copy *copy) {
 
 picture_copy picture_record(rig *rig, csm_cascades *cascades, csm_view *view, picture_size mask, uint32_t map_bytes) {
   const csm_binding binding = bind(cascades, view);
-  picture_copy copy = {.cascades = binding.cascade_count, .resolution = binding.resolutions[0], .map_bytes = map_bytes, .mask = mask};
+  picture_copy copy = {
+      .cascades = binding.cascade_count, .resolution = binding.resolutions[0], .map_bytes = map_bytes, .mask = mask};
   const uint64_t maps = copy.cascades * layer_bytes(&copy);
   copy.buffer = rig_buffer_make(rig, RIG_READBACK, maps + (uint64_t)rig_pitch(mask.width, 1) * mask.height);
   for (uint32_t i = 0; i < copy.cascades; ++i)

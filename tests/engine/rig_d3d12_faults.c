@@ -179,6 +179,8 @@ ID3D12Device *d3d12_faults_open(ID3D12Device *real_device) {
   faults.device.lpVtbl = (ID3D12DeviceVtbl *)&methods;
   faults.real = real_device;
   faults.references = 1;
+  faults.fail_at = 0;
+  faults.removed = false;
   return &faults.device;
 }
 

@@ -1,5 +1,5 @@
-/* rig_d3d12_lend.c: what a modern Direct3D 12 engine lends: memory from its own allocator, which gives each piece a heap
-   of its own, and places it at its second possible offset. */
+/* rig_d3d12_lend.c: what a modern Direct3D 12 engine lends: memory from its own allocator, which gives each piece a
+   heap of its own, and places it at its second possible offset. */
 #include "rig_d3d12.h"
 
 static int32_t CSM_CALL lend_memory(void *user, const csm_d3d12_memory_request *request, csm_d3d12_memory *out) {

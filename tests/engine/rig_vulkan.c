@@ -11,9 +11,9 @@
 /* How an engine's device is opened. */
 typedef struct device_wish {
   uint32_t version;
-  bool rich;     /* depthBiasClamp and debug utils */
-  bool clamps;   /* depthClamp is on */
-  bool lends;    /* memory, a pipeline cache and dynamic rendering */
+  bool rich;   /* depthBiasClamp and debug utils */
+  bool clamps; /* depthClamp is on */
+  bool lends;  /* memory, a pipeline cache and dynamic rendering */
   bool failing;
 } device_wish;
 
@@ -66,9 +66,8 @@ static void open_instance(rig *rig, device_wish wish) {
                                             .pNext = &report,
                                             .enabledValidationFeatureCount = 1,
                                             .pEnabledValidationFeatures = enabled};
-  const VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
-                                         .pApplicationName = "an engine",
-                                         .apiVersion = wish.version};
+  const VkApplicationInfo application = {
+      .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, .pApplicationName = "an engine", .apiVersion = wish.version};
   const char *const layers[] = {VALIDATION};
   const char *extensions[2];
   uint32_t count = 0;

@@ -36,9 +36,7 @@ static VkPipeline make_pipeline(const rig_caster *caster, const csm_draw_target 
                                                  .pName = "main"};
   const VkVertexInputBindingDescription streams[] = {
       {.stride = 12},
-      {.binding = FIRST_FREE_STREAM,
-       .stride = RIG_ROWS * sizeof(float),
-       .inputRate = VK_VERTEX_INPUT_RATE_INSTANCE}};
+      {.binding = FIRST_FREE_STREAM, .stride = RIG_ROWS * sizeof(float), .inputRate = VK_VERTEX_INPUT_RATE_INSTANCE}};
   const VkVertexInputAttributeDescription attributes[] = {
       {.location = 0, .format = VK_FORMAT_R32G32B32_SFLOAT},
       {.location = 1, .binding = FIRST_FREE_STREAM, .format = VK_FORMAT_R32G32B32A32_SFLOAT, .offset = 0},
@@ -59,13 +57,11 @@ static VkPipeline make_pipeline(const rig_caster *caster, const csm_draw_target 
       .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO, .depthClampEnable = VK_TRUE, .lineWidth = 1};
   const VkPipelineMultisampleStateCreateInfo samples = {
       .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO, .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
-  const VkPipelineDepthStencilStateCreateInfo depth = {.sType =
-                                                           VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-                                                       .depthTestEnable = VK_TRUE,
-                                                       .depthWriteEnable = VK_TRUE,
-                                                       .depthCompareOp = target->reversed
-                                                                             ? VK_COMPARE_OP_GREATER
-                                                                             : VK_COMPARE_OP_LESS};
+  const VkPipelineDepthStencilStateCreateInfo depth = {
+      .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+      .depthTestEnable = VK_TRUE,
+      .depthWriteEnable = VK_TRUE,
+      .depthCompareOp = target->reversed ? VK_COMPARE_OP_GREATER : VK_COMPARE_OP_LESS};
   const VkDynamicState states[] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
   const VkPipelineDynamicStateCreateInfo dynamic = {
       .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO, .dynamicStateCount = 2, .pDynamicStates = states};

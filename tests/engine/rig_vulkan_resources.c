@@ -17,10 +17,10 @@ VkDeviceMemory rig_vulkan_allocate(const rig *rig, const VkMemoryRequirements *n
 
 rig_buffer rig_buffer_make(rig *rig, rig_buffer_use use, uint64_t size) {
   const VkBufferUsageFlags geometry = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
-  const VkBufferCreateInfo info = {
-      .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-      .size = size,
-      .usage = use == RIG_GEOMETRY ? geometry | VK_BUFFER_USAGE_TRANSFER_SRC_BIT : VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+  const VkBufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+                                   .size = size,
+                                   .usage = use == RIG_GEOMETRY ? geometry | VK_BUFFER_USAGE_TRANSFER_SRC_BIT
+                                                                : VK_BUFFER_USAGE_TRANSFER_DST_BIT};
   VkBuffer handle;
   rig_vulkan_must(vkCreateBuffer(rig->device, &info, NULL, &handle), "vkCreateBuffer");
   VkMemoryRequirements needs;
@@ -164,7 +164,8 @@ uint32_t rig_pitch(uint32_t width, uint32_t texel_bytes) {
 void rig_copy(rig *rig, const rig_layer *from, const rig_buffer *to, uint64_t offset) {
   const VkCommandBuffer commands = rig_commands(rig);
   const VkImage image = (VkImage)from->image;
-  const VkImageAspectFlags aspect = from->texel_bytes == 4 || from->texel_bytes == 2 ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
+  const VkImageAspectFlags aspect =
+      from->texel_bytes == 4 || from->texel_bytes == 2 ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
   VkImageMemoryBarrier change = {
       .srcAccessMask = VK_ACCESS_SHADER_READ_BIT,
       .dstAccessMask = VK_ACCESS_TRANSFER_READ_BIT,

@@ -66,7 +66,8 @@ void stage_resolve(stage *stage, shot *shot, picture_size mask) {
 }
 
 picture_copy stage_record(stage *stage, picture_size mask) {
-  return picture_record(stage->rig, stage->cascades, stage->view, mask, stage->config.map_format == CSM_MAP_D16 ? 2 : 4);
+  return picture_record(stage->rig, stage->cascades, stage->view, mask,
+                        stage->config.map_format == CSM_MAP_D16 ? 2 : 4);
 }
 
 void stage_retire(stage *stage) {

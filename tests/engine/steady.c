@@ -21,8 +21,7 @@ static void a_steady_frame_allocates_nothing(void **state) {
   stage stage;
   rig *rig = rig_open(RIG_TYPICAL);
   stage_open(&stage, rig);
-  csm_instance *boxes =
-      make_boxes((const csm_mesh[]){stage.scene.instances[1].mesh, stage.scene.instances[2].mesh});
+  csm_instance *boxes = make_boxes((const csm_mesh[]){stage.scene.instances[1].mesh, stage.scene.instances[2].mesh});
   for (int i = 0; i < WARM_UP + FRAMES; ++i) {
     rig_begin(rig);
     shot shot = stage_shot(&stage, 0.01 * i);
@@ -55,11 +54,11 @@ static void a_steady_scene_allocates_nothing(void **state) {
   stage_open(&stage, rig);
   csm_instance *boxes = make_boxes((const csm_mesh[]){stage.scene.instances[1].mesh, stage.scene.instances[2].mesh});
   assert_int_equal(csm_scene_create(stage.context, &scene), CSM_SUCCESS);
-  assert_int_equal(csm_scene_add(scene, &(csm_scene_batch){.struct_size = sizeof(csm_scene_batch),
-                                                           .count = BOXES,
-                                                           .ids = ids,
-                                                           .instances = boxes}),
-                   CSM_SUCCESS);
+  assert_int_equal(
+      csm_scene_add(
+          scene,
+          &(csm_scene_batch){.struct_size = sizeof(csm_scene_batch), .count = BOXES, .ids = ids, .instances = boxes}),
+      CSM_SUCCESS);
   for (int i = 0; i < WARM_UP + FRAMES; ++i) {
     rig_begin(rig);
     shot shot = stage_shot(&stage, 0.01 * i);
@@ -73,8 +72,7 @@ static void a_steady_scene_allocates_nothing(void **state) {
     csm_instance_id moved[MOVED];
     for (int k = 0; k < MOVED; ++k)
       moved[k] = ids[k * 7];
-    const csm_scene_batch batch = {
-        .struct_size = sizeof batch, .count = MOVED, .ids = moved, .matrices = matrices[0]};
+    const csm_scene_batch batch = {.struct_size = sizeof batch, .count = MOVED, .ids = moved, .matrices = matrices[0]};
     const uint64_t before = stage.record.allocations;
     heap_hook_start();
     if (i % 2)

@@ -209,10 +209,8 @@ int main(int argc, char **argv) {
   handshake(&hello);
   gpu = hello.backend;
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(the_clamp_follows_the_engine),
-      cmocka_unit_test(a_device_that_clips_is_refused),
-      cmocka_unit_test(the_engines_cache_is_used),
-      cmocka_unit_test(an_allocator_may_lend_nothing),
+      cmocka_unit_test(the_clamp_follows_the_engine), cmocka_unit_test(a_device_that_clips_is_refused),
+      cmocka_unit_test(the_engines_cache_is_used),    cmocka_unit_test(an_allocator_may_lend_nothing),
       cmocka_unit_test(asks_for_no_more_than_it_may),
   };
   char *arguments[] = {argv[0], (char *)"vulkan"};
