@@ -497,7 +497,8 @@ typedef struct gpu_backend {
   /* The engine's own vertices and indices (csm_vulkan_mesh, csm_d3d12_mesh), readable as such while they are drawn.
      Both buffers are destroyed like any other, the indices' only if it is another one. Errors: as image_import. */
   csm_result (*geometry_import)(gpu_device *device, const void *native, gpu_geometry *out);
-  /* A view goes before its image, a target before its images, bindings before what they bind. */
+  /* A view goes before its image, a target before its images. Bindings may outlive what they were written with: they
+     are written anew before they are bound again. */
   csm_result (*view_create)(gpu_device *device, const gpu_view_info *info, gpu_view **out);
   void (*view_destroy)(gpu_device *device, gpu_view *view);
   csm_result (*target_create)(gpu_device *device, const gpu_target_info *info, gpu_target **out);

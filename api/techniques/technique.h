@@ -132,7 +132,7 @@ csm_result technique_run_record(technique_run *run, technique_times *times);
 void technique_set_bind(const technique_set *set, device *device, csm_binding *binding);
 void technique_set_tell(const technique_set *set, const device *device, csm_stats *stats);
 void technique_set_tell_view(const technique_set *set, const device *device, csm_view_stats *stats);
-/* The image of a CSM_READ_*. Errors: INVALID_STATE. */
+/* The image of a CSM_READ_*. Errors: as technique.find. */
 csm_result technique_set_find(const technique_set *set, uint32_t source, uint32_t cascade, technique_image *out);
 
 #endif

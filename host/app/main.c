@@ -11,7 +11,7 @@
 #include "view/view.h"
 #include <math.h>
 
-/* What a configuration leaves to the scene is not told, so that a file made of this leaves it as well. */
+/* The shadow distance is left out where the scene decides it, so that a file made of this leaves it open, too. */
 static int config_command(const host_options *options) {
   csm_config config;
   if (!options->preset && !options->config_file)

@@ -229,8 +229,8 @@ static int save_frame(const run *r, const picture_view *view, const stage_frame 
 }
 
 /*
- * Backends that agree share one set of pictures; where they differ, the second one has its own, with its name before
- * each. difference.png shows where.
+ * Backends that agree share one set of pictures. Where they differ, the second one has a set of its own, named after
+ * it. difference.png shows where.
  */
 static int save_pictures(const run *r) {
   const host_setup *setup = &r->setup;

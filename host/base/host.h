@@ -22,8 +22,10 @@ double host_cpu_ms(void);
 /* A line of progress on a terminal, overwritten by the next; "" clears it. Silent elsewhere. */
 void host_progress(const char *text);
 
-/* A file's bytes, and a 0 after them, for the caller to free; NULL, and errno, if it cannot be opened. *size may be
- * NULL. */
+/*
+ * A file's bytes with a 0 after them, for the caller to free. NULL, and errno, if it cannot be opened. size may be
+ * NULL.
+ */
 char *host_read_file(const char *path, size_t *size);
 
 /* Makes a folder and those above it. 0, or HOST_BAD_INPUT after a message. */

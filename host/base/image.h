@@ -20,8 +20,10 @@ int image_write_png(const image *picture, const char *path);
 
 /* The mean colour (linear) of a PNG file in memory, weighted by alpha. 0, or nonzero if it cannot be read. */
 int image_mean_of_png(const void *data, uint64_t size, float mean[3]);
-/* The alpha of a PNG file in memory: width * height bytes, top row first, for the caller to free; NULL if it cannot be
- * read. */
+/*
+ * The alpha of a PNG file in memory: width * height bytes, top row first, for the caller to free. NULL if it cannot be
+ * read.
+ */
 uint8_t *image_alpha_of_png(const void *data, uint64_t size, uint32_t *width, uint32_t *height);
 
 #endif

@@ -10,8 +10,8 @@ static int compare_doubles(const void *a, const void *b) {
 }
 
 /*
- * The number of the smallest samples to leave out at each end: the largest k for which at most k - 1 of `count` tosses
- * of a coin come up heads with a probability of at most 2.5 % (the sign test's interval).
+ * How many samples lie outside the interval at each end, as the sign test has it: the largest k for which fewer than k
+ * of `count` tosses of a coin come up heads with a probability of at most 2.5 %.
  */
 static uint32_t outside(uint32_t count) {
   double probability = 0.0;

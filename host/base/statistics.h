@@ -7,8 +7,8 @@
 
 typedef struct estimate {
   double median;
-  double low, high; /* of an interval that holds the true median with a probability of at least 95 %, where there are
-                       6 samples or more; else all of them */
+  double low, high; /* of an interval that holds the true median with a probability of at least 95 %. With fewer than
+                       6 samples: all of them */
 } estimate;
 
 /* Order statistics: no assumption on how the samples are spread. Precondition: count > 0. */

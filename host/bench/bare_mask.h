@@ -1,6 +1,6 @@
 /*
- * bench/bare_mask.h: full-screen passes of a mask's size in bare Vulkan, on maps and a camera's depth that csm drew: what
- * `csm-host bench` measures masks against.
+ * bench/bare_mask.h: full-screen passes of a mask's size in bare Vulkan, on maps and a camera's depth that csm drew.
+ * `csm-host bench` measures masks against them.
  */
 #ifndef HOST_BARE_MASK_H
 #define HOST_BARE_MASK_H

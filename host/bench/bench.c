@@ -216,8 +216,7 @@ static int time_tables(bench *b) {
 
 /* ---- results ---- */
 
-/* What a later contender may take at most, as a multiple of the one before it: Vulkan of the bare loop, D3D12 of
- * Vulkan. */
+/* What a contender may take at most, as a multiple of the one before it: Vulkan of the bare loop, D3D12 of Vulkan. */
 static double ratio_limit(const contender *top) {
   return strcmp(top->name, "vulkan") == 0 ? 1.05 : 1.1;
 }

@@ -23,8 +23,8 @@ typedef struct bench_engine {
 } bench_engine;
 
 /*
- * Records `many`'s instances in each way in turn, on a Vulkan device of the host's own. Nothing is submitted, since on a
- * CPU that draws the GPU's work would be timed as well. 0, HOST_NO_DEVICE or HOST_BAD_INPUT after a message.
+ * Records `many`'s instances in each way in turn, on a Vulkan device of the host's own. Nothing is submitted: a CPU
+ * that draws would share its caches with what is timed. 0, HOST_NO_DEVICE or HOST_BAD_INPUT after a message.
  */
 int bench_engine_run(bench_engine *out, const host_setup *setup, const bench_plan *many, const char *device,
                      uint32_t rounds);

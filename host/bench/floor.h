@@ -1,6 +1,6 @@
 /*
- * bench/floor.h: a bare Vulkan loop that clears the cascades' maps and draws the same lists into them, without the faces
- * that csm leaves out, and nothing else. `csm-host bench` measures the library against it.
+ * bench/floor.h: a bare Vulkan loop that clears the cascades' maps and draws the same lists into them, without the
+ * faces that csm leaves out. `csm-host bench` measures the library against it.
  */
 #ifndef HOST_FLOOR_H
 #define HOST_FLOOR_H

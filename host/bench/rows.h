@@ -31,7 +31,9 @@ void bench_table_modes(bench_table *out, const csm_config *config);
 /* Every way to lay out, fit and draw maps, against the configuration without. */
 void bench_table_maps(bench_table *out, const csm_config *config);
 
-/* The least that such a pass may take: draws it once, and gives its milliseconds on the GPU, or a negative number. */
+/*
+ * The least that such a pass may take. It is drawn once, and gives its milliseconds on the GPU, or a negative number.
+ */
 typedef struct bench_floor {
   double (*draw)(void *user); /* NULL: there is none */
   void *user;
@@ -53,8 +55,8 @@ typedef struct bench_rows {
 } bench_rows;
 
 /*
- * Times a table's rows on each stage, in groups: in every round of a group the floor, the base and each row are drawn
- * once, one after the other, and a ratio is of two from one round. 0, or a code after a message.
+ * Times a table's rows on each stage, in groups. Every round of a group draws the floor, the base and each row once, in
+ * turn. A ratio is of two times from one round. 0, or a code after a message.
  */
 int bench_rows_run(bench_rows *out, const bench_table *table, stage *stages, uint32_t stage_count, bench_floor floor,
                    uint32_t pairs);

@@ -22,7 +22,7 @@ static void fill_instance(plan_instance *out, const scene_instance *from) {
       out->transform[row * 4 + column] = from->transform[column * 4 + row];
 }
 
-/* Copies beyond the scene's own are moved to where another instance is, so that they lie in the scene's bounds. */
+/* A copy is moved to where another instance is, so that it lies in the scene's bounds. */
 static void strew(plan_instance *instances, uint32_t own, uint32_t count) {
   for (uint32_t i = own; i < count; i++) {
     const uint32_t from = (uint32_t)(noise_hash(i, 1, 7) * own), to = (uint32_t)(noise_hash(i, 2, 7) * own);

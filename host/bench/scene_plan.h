@@ -17,8 +17,8 @@ typedef struct bench_plan {
 } bench_plan;
 
 /*
- * Plans the setup's frame with `instance_count` instances: the scene's own, and beyond those copies of them that are
- * strewn over the scene. 0, or HOST_BAD_INPUT after a message; bench_plan_free is always allowed.
+ * Plans the setup's frame with `instance_count` instances: the scene's own, then copies of them, strewn over the scene.
+ * 0, or HOST_BAD_INPUT after a message; bench_plan_free is always allowed.
  */
 int bench_plan_make(bench_plan *out, const host_setup *setup, uint32_t instance_count);
 void bench_plan_free(bench_plan *plan);

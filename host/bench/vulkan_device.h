@@ -1,4 +1,4 @@
-/* bench/vulkan_device.h: a Vulkan device of the host's own, as an engine has one: for the bare loop, and to lend to csm. */
+/* bench/vulkan_device.h: a Vulkan device as an engine has one, for the bare loops, and to lend to csm. */
 #ifndef HOST_VULKAN_DEVICE_H
 #define HOST_VULKAN_DEVICE_H
 
@@ -13,8 +13,10 @@ typedef struct vulkan_device {
   VkQueue queue;
 } vulkan_device;
 
-/* Opens the device whose name holds `name`, or the first discrete, integrated, virtual, CPU one if that is NULL: Vulkan
-   1.1 and depth clamp, nothing else. vulkan_device_close is allowed after an error, too. */
+/*
+ * Opens a device with Vulkan 1.1 and depth clamp, nothing else: one whose name holds `name`, or, if that is NULL, the
+ * first discrete, integrated, virtual, CPU one. vulkan_device_close is allowed after an error, too.
+ */
 VkResult vulkan_device_open(vulkan_device *out, const char *name);
 void vulkan_device_close(vulkan_device *device);
 

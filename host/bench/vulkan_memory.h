@@ -39,7 +39,7 @@ VkResult vulkan_shader(const vulkan_device *vulkan, const void *code, size_t siz
 
 /* A pool of timestamps, or VK_NULL_HANDLE where the queue has none. */
 VkResult vulkan_timestamps(const vulkan_device *vulkan, uint32_t count, VkQueryPool *out);
-/* Writes one once all before it is done, and before anything after it begins. Outside passes. */
+/* Writes one when all before it is done, and before anything after it begins. Outside passes. */
 void vulkan_write_timestamp(VkCommandBuffer commands, VkQueryPool pool, uint32_t index);
 /* Milliseconds from timestamp 0 to 1, of work that was waited for; negative where there are none. */
 double vulkan_elapsed_ms(const vulkan_device *vulkan, VkQueryPool pool);

@@ -9,9 +9,12 @@
 void measure_picture_lit(image *out, const truth_view *view, const scene_light *light, const float *visibility);
 
 /*
- * What each pixel is: right ones in grey, lit or shadowed by the truth; lit ones that should be in shadow in orange, or
- * red far from every edge (leak); shadowed ones that should be lit in light blue, or blue far from every edge (acne);
- * what the light grazes in brown, what is left out in a bluish grey.
+ * What each pixel is:
+ *   grey         right, lit or shadowed by the truth
+ *   orange, red  lit, and should be in shadow; red is far from every edge (leak)
+ *   light blue, blue  shadowed, and should be lit; blue is far from every edge (acne)
+ *   brown        grazed by the light
+ *   bluish grey  left out
  */
 void measure_picture_errors(image *out, const metrics_frame *frame, const uint8_t *kinds);
 

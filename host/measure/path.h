@@ -13,8 +13,10 @@ typedef struct measure_path {
   scene_light *lights;
 } measure_path;
 
-/* Reads the files that the options name; what has no path of its own stays the setup's. 0, or HOST_BAD_INPUT after a
- * message. measure_path_free is allowed in both cases. */
+/*
+ * Reads the files that the options name. A camera or a light without a path stays the setup's. 0, or HOST_BAD_INPUT
+ * after a message; measure_path_free is allowed in both cases.
+ */
 int measure_path_load(measure_path *out, const host_options *options, const host_setup *setup);
 void measure_path_free(measure_path *path);
 

@@ -2,9 +2,7 @@
 #include "base/host.h"
 #include <stdlib.h>
 
-/*
- * From inside a wall everything is seen from behind and nothing is lit: its figures would look perfect.
- */
+/* From inside a wall everything is seen from behind, and nothing is lit. Figures of that would look perfect. */
 static int check_outside(const truth_frame *frame) {
   const size_t pixels = (size_t)frame->view.width * frame->view.height;
   for (size_t i = 0; i < pixels; i++)

@@ -1,4 +1,4 @@
-/* metrics_distance.c: exact Euclidean distances in two passes (Meijster, Roerdink and Hesselink 2000). */
+/* Exact Euclidean distances in two passes (Meijster, Roerdink and Hesselink 2000). */
 #include "base/host.h"
 #include "base/parallel.h"
 #include "metrics/metrics.h"

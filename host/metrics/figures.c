@@ -4,7 +4,7 @@
 
 typedef enum unit { SHARE, VISIBILITY, PIXELS, COUNT } unit;
 
-/* One number of the metrics: by its member's offset, a double, or where the unit is COUNT an integer. */
+/* One number of the metrics, by its member's offset: a double, or an integer where the unit is COUNT. */
 typedef struct row {
   const char *key, *about;
   unit unit;

@@ -122,7 +122,7 @@ static double edge_distance_px(const edges *e, size_t at) {
   return e->squares[at] == INT64_MAX ? INFINITY : 0.5 * sqrt((double)e->squares[at]);
 }
 
-/* The mean distance from one's edges to the other's; *alone is the length that has none of those in reach. */
+/* The mean distance from one mask's edges to the other's. *alone gets the length of those that have none in reach. */
 static double mean_distance_px(const edges *from, const edges *to, uint64_t *alone) {
   double sum = 0.0;
   *alone = 0;

@@ -1,4 +1,4 @@
-/* metrics_reference.c: the fixed texels that tell an error of resolution from self-shadowing and leaks. */
+/* The fixed texels that tell an error of resolution from self-shadowing and leaks. */
 #include "base/linear.h"
 #include "metrics/metrics.h"
 #include <math.h>

@@ -12,9 +12,9 @@ typedef struct line_style {
 } line_style;
 
 /*
- * A line between two points: pixels to the right and down, (0, 0) being the middle of the first one, and a depth that
- * grows away from the viewer. It covers one place for each column or row, whichever are more, `width` pixels wide
- * there. What lies outside the picture is left out; all numbers must be finite.
+ * A line between two points, each in pixels to the right, pixels down, and a depth that grows away from the viewer; (0,
+ * 0) is the middle of the first pixel. A line covers one place in each column, or in each row where it is steeper,
+ * `width` pixels wide. What lies outside the picture is left out. Precondition: all numbers are finite.
  */
 void picture_line(image *out, const line_style *style, const double from[3], const double to[3]);
 

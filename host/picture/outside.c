@@ -48,7 +48,7 @@ static bool find_cascades(outside_view *out, const csm_binding *binding) {
 
 /* ---- the outside camera ---- */
 
-/* The way from what it looks at to a camera behind and above the inner one, on the side that has the sun behind it. */
+/* From what it looks at towards a camera behind and above the inner one, on the side that has the sun behind it. */
 static void find_way_back(double out[3], const camera *inner, const scene_light *light) {
   double ahead[3] = {inner->forward[0], 0.0, inner->forward[2]};
   if (!vec_normalize(ahead))
@@ -72,7 +72,7 @@ static bool sees_slices(const outside_view *o, const double to_clip[16]) {
   return true;
 }
 
-/* As near as it sees all slices; near ones are large then, and far ones small, as their maps' texels are. */
+/* As near as it can be to see all slices. */
 static void make_camera(outside_view *o) {
   const double(*last)[3] = o->cascades[o->cascade_count - 1].slice;
   double back[3], reach[3];

@@ -25,18 +25,21 @@ typedef struct outside_view {
 } outside_view;
 
 /*
- * Looks at what `inner` sees; scene, light, camera and size are taken from it, and must live as long. 0, or
- * HOST_BAD_INPUT after a message; outside_view_free is always allowed.
+ * Looks at what `inner` sees, with its scene, light, camera and size, which must live as long. 0, or HOST_BAD_INPUT
+ * after a message; outside_view_free is always allowed.
  */
 int outside_view_make(outside_view *out, const picture_view *inner, const csm_binding *binding);
 void outside_view_free(outside_view *out);
 
-/* The scene in grey, and each cascade in its colour: the slice of the camera's view as bold lines, with the surfaces in
- * it tinted, and its map's box as thin ones. Lines behind a surface are dim. */
+/*
+ * The scene in grey, and each cascade in its colour: its slice of the camera's view as bold lines, the surfaces in that
+ * tinted, and its map's box as thin lines. Lines behind a surface are dim.
+ */
 void picture_frusta(image *out, const outside_view *outside);
 /*
- * Each instance in the colour of the first cascade that draws it, as csm_get_casters tells, pale where it reaches out
- * of that cascade's map, and with dark stripes if a later one culls it; grey if all do. With the maps' boxes.
+ * Each instance in the colour of the first cascade that draws it, as csm_get_casters tells; grey if all cull it. It is
+ * pale where it reaches out of that cascade's map, and has dark stripes if a later cascade culls it. With the maps'
+ * boxes.
  */
 void picture_culled(image *out, const outside_view *outside, const uint8_t *drawn);
 

@@ -42,8 +42,8 @@ static void sky_light(float out[3], const float ray[3], const float sun[3]) {
 }
 
 /*
- * Fine grain, so that large plain surfaces do not look like plastic: noise on the axis plane that the surface faces
- * most. It fades where a pixel covers many grains.
+ * Fine grain on large plain surfaces: noise on the axis plane that the surface faces most. It fades where a pixel
+ * covers many grains.
  */
 static float grain(const picture_view *view, const trace_surface *surface) {
   int axis = 0;

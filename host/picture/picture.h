@@ -20,21 +20,25 @@ typedef struct picture_view {
 void picture_lit(image *out, const picture_view *view, const float *mask);
 /* Linear, of each cascade, in every picture. */
 extern const float picture_cascade_colors[CSM_MAX_CASCADES][3];
-/* The same, each pixel in its cascade's colour, which `cascades` holds as CSM_SHOW_CASCADE gives it; grey where there
- * is none. */
+/*
+ * The same with each pixel in the colour of its cascade, which `cascades` holds as CSM_SHOW_CASCADE gives it. Grey
+ * where there is none.
+ */
 void picture_cascades(image *out, const picture_view *view, const float *mask, const float *cascades);
-/* Texels for each pixel, as CSM_SHOW_DENSITY gives them: white is one, blue fewer, to an eighth, red more, to eight;
- * dark where there are none. */
+/*
+ * Texels for each pixel, as CSM_SHOW_DENSITY gives them: white is one, blue is fewer, down to an eighth, red is more,
+ * up to eight. Dark where there are none.
+ */
 void picture_density(image *out, const picture_view *view, const float *density);
 /* Visibility: white lit, black shadowed; the sky is blue. */
 void picture_mask(image *out, const picture_view *view, const float *mask);
-/* Depth maps side by side, nearest the light brightest, each stretched to its own range; texels without a caster are
- * blue. */
+/*
+ * Depth maps side by side. The nearest to the light is brightest, each map in its own range. Texels without a caster
+ * are blue.
+ */
 void picture_maps(image *out, const float *const *maps, uint32_t count, const uint32_t *resolutions, bool reversed);
 
-/*
- * The scene in grey with every differing pixel as a red cross, in a red frame; without any, in a green frame.
- */
+/* The scene in grey, with a red cross at every pixel that differs. The frame is red if there is one, else green. */
 void picture_difference(image *out, const picture_view *view, const float *mask_a, const float *mask_b,
                         float tolerance);
 

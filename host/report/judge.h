@@ -13,8 +13,8 @@ typedef struct report_score {
 
 typedef struct report_verdict {
   uint32_t least_error; /* the fastest of those that have it */
-  uint32_t knee;        /* the point of the front that lies farthest below the line between its ends, both axes being
-                           stretched to the front's extent */
+  uint32_t knee;        /* the point of the front farthest below the line between its ends, with both axes stretched
+                           to the front's extent */
   uint32_t error_rank;  /* 1 + how many have less error than the base */
   uint32_t time_rank;   /* 1 + how many are faster */
   uint32_t better;      /* no more error and less time than the base, by intervals of time that do not overlap */

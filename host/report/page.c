@@ -8,7 +8,10 @@
 
 #define PATH_SIZE 4096
 
-/* Inside a script element nothing may look like its end, so "<" is written as an escape; JSON has it in texts alone. */
+/*
+ * Nothing inside a script element may look like its end, so "<", which JSON has in texts alone, is written as an
+ * escape.
+ */
 static int write_escaped(const char *data, size_t size, void *file) {
   for (size_t begun = 0; begun < size;) {
     const char *found = memchr(data + begun, '<', size - begun);

@@ -5,9 +5,9 @@
 #include "base/image.h"
 
 /*
- * Makes a picture at most `width` pixels wide, by whole numbers of pixels. Where `rank` is given (one for each pixel),
- * each group shows its pixel of the highest rank, so that nothing rare is lost; else its mean, in 32 steps of grey, or
- * the first pixel's colour where a colour is in the majority.
+ * Makes a picture at most `width` pixels wide: a whole number of pixels becomes one. With `rank`, one for each pixel,
+ * that is the pixel of the highest rank, so that nothing rare is lost. Without, it is the mean in 32 steps of grey, or
+ * the first pixel's colour where colours are in the majority.
  */
 void report_picture_shrink(image *out, const image *picture, const uint8_t *rank, uint32_t width);
 

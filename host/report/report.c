@@ -70,7 +70,7 @@ static void note_backends(report *r, const report_scene *s) {
   json_object_set_new(r->head, "backends", backends);
 }
 
-/* Geometric means over the scenes, on the first backend; nothing where devices left out different configurations. */
+/* Geometric means over the scenes, on the first backend. Nothing where devices left out different configurations. */
 static json_t *judge_all(const report *r) {
   const report_sweep *first = &r->scenes[0].sweep;
   for (uint32_t i = 1; i < r->scene_count; i++)

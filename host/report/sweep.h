@@ -43,8 +43,8 @@ typedef struct report_sweep {
  */
 void report_sweep_make(report_sweep *out, const host_options *options, const csm_config *base);
 /*
- * The options' presets, each a shape of its own, with the scene's shadow distance where they leave it open, after the
- * setup's own configuration, which is the base. 0, or HOST_BAD_INPUT after a message.
+ * The setup's own configuration, which is the base, and then the options' presets, each a shape of its own. A preset
+ * that leaves the shadow distance open takes the scene's. 0, or HOST_BAD_INPUT after a message.
  */
 int report_sweep_make_presets(report_sweep *out, const host_options *options, const host_setup *setup);
 void report_sweep_free(report_sweep *sweep);

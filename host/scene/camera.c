@@ -66,8 +66,8 @@ static double view_z_at(const double p[16], double depth) {
 }
 
 /*
- * Whether a camera looks along +z or -z of its view. What lies in front of a perspective one has w > 0. An orthographic
- * one looks to the side where its slab lies, from z0 to z1; where that is both sides, `reversed` says it.
+ * Whether a camera looks along +z or -z of its view. What lies before a perspective one has w > 0. An orthographic one
+ * looks to the side where its slab lies, from z0 to z1. Where the slab lies on both, `reversed` decides.
  */
 static const char *find_side(double *out, const double projection[16], double z0, double z1, const bool *reversed) {
   double toward = projection[11];

@@ -51,7 +51,10 @@ bool camera_rays_make(camera_rays *out, const camera *from, uint32_t width, uint
 void camera_ray(const camera_rays *rays, double x, double y, double origin[3], double direction[3], double *reach);
 /* The point at a view depth on the ray through clip x and y, relative to the camera's position. */
 void camera_point(const camera_rays *rays, const camera *from, double x, double y, double depth, double point[3]);
-/* The corners, so, of what is seen between two view depths: bits 0 to 2 of a corner's index are right, top and far. */
+/*
+ * The corners of what is seen between two view depths, as camera_point has them. Bits 0 to 2 of an index are right, top
+ * and far.
+ */
 void camera_slice(const camera_rays *rays, const camera *from, double near, double far, double corners[8][3]);
 /* Clip x and y of a pixel's centre. */
 double camera_pixel_x(const camera_rays *rays, uint32_t column);

@@ -18,7 +18,7 @@ static int read_doubles(const json_t *object, const json_source *from, const cha
   return right ? 0 : json_source_fail(from, key, problem);
 }
 
-/* A positive number, or null for infinity where that is allowed; an absent key leaves *out as it is. */
+/* A number, or null for infinity where that is allowed. An absent key leaves *out as it is. */
 static int read_depth(const json_t *object, const json_source *from, const char *key, bool infinite_allowed,
                       double *out) {
   const json_t *value = json_object_get(object, key);

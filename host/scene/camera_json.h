@@ -8,8 +8,8 @@
 #include <stdint.h>
 
 /*
- * Reads a `camera` object, or a whole frame.json, whose width and height are then given too (else they stay as they
- * are). The matrices are taken as they are. 0, or HOST_BAD_INPUT after a message that names the key.
+ * Reads a `camera` object, or a whole frame.json, which gives width and height, too. The matrices are taken as they
+ * are. 0, or HOST_BAD_INPUT after a message that names the key.
  */
 int camera_from_json(camera *out, uint32_t *width, uint32_t *height, const char *path);
 

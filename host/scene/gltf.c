@@ -97,7 +97,7 @@ static void read_texture(const loader *l, scene_material *material, const struct
   free(owned);
 }
 
-/* A file without materials is white; what reflects all light would drown shadows in pictures. */
+/* A file without materials would be white, and what reflects all light drowns shadows in pictures. */
 static const float brightest = 0.6f;
 
 static void add_material(const loader *l, const struct aiMaterial *from) {

@@ -1,6 +1,6 @@
 /*
- * scene/gltf_document.h: the JSON of a glTF file, read beside Assimp, which drops what it does not understand without a word,
- * and whose words on a file that ends early lead astray.
+ * scene/gltf_document.h: the JSON of a glTF file, read beside Assimp. Assimp drops without a word what it does not
+ * understand, and misleads where a file ends early.
  */
 #ifndef HOST_GLTF_DOCUMENT_H
 #define HOST_GLTF_DOCUMENT_H

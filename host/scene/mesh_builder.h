@@ -15,8 +15,10 @@ typedef struct mesh_builder {
 void builder_color(mesh_builder *b, float red, float green, float blue);
 uint32_t builder_vertex(mesh_builder *b, double x, double y, double z);
 void builder_triangle(mesh_builder *b, uint32_t i, uint32_t j, uint32_t k);
-/* Two triangles for each cell of a grid whose (cells + 1)^2 vertices have been added row by row, z growing with the row
- * and x within it; they look up. */
+/*
+ * Two triangles for each cell of a grid, which look up. Precondition: its (cells + 1)^2 vertices have been added row by
+ * row, z growing with the row and x within it.
+ */
 void builder_cells(mesh_builder *b, uint32_t cells);
 /* Corners counter-clockwise, seen from the side that it faces. */
 void builder_quad(mesh_builder *b, const double corners[4][3]);
@@ -28,7 +30,10 @@ void builder_tube(mesh_builder *b, const double from[3], const double to[3], dou
 void builder_ball(mesh_builder *b, const double center[3], const double radius[3], uint32_t subdivisions,
                   double roughness, uint32_t seed);
 
-/* Adds what was built to the scene, and empties the builder. index_size is 2 or 4; 2 becomes 4 where it must. */
+/*
+ * Adds what was built to the scene, and empties the builder. index_size is 2 or 4; 2 becomes 4 where vertices are too
+ * many.
+ */
 uint32_t builder_finish(mesh_builder *b, scene *s, const char *name, uint32_t index_size, bool smooth);
 
 /* A fixed hash of its arguments, in [0, 1). */

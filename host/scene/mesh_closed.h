@@ -5,8 +5,9 @@
 #include "scene/scene.h"
 
 /*
- * Whether each directed edge has its opposite, vertices at one place being one, and each connected piece is wound so
- * that counter-clockwise is outside: then the first surface that a ray from outside meets is never seen from behind.
+ * Whether a mesh is watertight: each directed edge has its opposite, where vertices at one place are one, and each
+ * connected piece is counter-clockwise seen from outside. The first surface that a ray from outside meets is then never
+ * seen from behind.
  */
 bool mesh_is_closed(const scene_mesh *mesh);
 

@@ -1,6 +1,6 @@
 /*
- * scene_oaks.c: five oaks on a small terrain, put together as the cascaded-shadow example of a public Vulkan sample
- * collection does it. Its two files come from a folder that may lie beside the checkout, and are not part of it.
+ * Five oaks on a small terrain, put together as the cascaded-shadow example of a public Vulkan sample collection does
+ * it. The two files come from a folder that may lie beside the checkout.
  */
 #include "base/host.h"
 #include "base/linear.h"

@@ -8,8 +8,8 @@
 bool sun_path_is(const char *text);
 
 /*
- * COUNT lights evenly over 24 hours, from midnight on: the sun of an equinox at 45 degrees of latitude, which rises in
- * +x, stands in -z at noon, and goes on below the horizon; y is up. Each has `disc_deg`. *lights is to be freed. 0, or
+ * COUNT lights evenly over 24 hours, from midnight on: the sun of an equinox at 45 degrees of latitude. It rises in +x,
+ * stands in -z at noon, and goes on below the horizon; y is up. Each has `disc_deg`. The caller frees *lights. 0, or
  * HOST_BAD_INPUT after a message.
  */
 int sun_path_load(scene_light **lights, uint32_t *count, const char *text, double disc_deg);

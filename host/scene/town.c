@@ -1,6 +1,6 @@
 /*
- * scene_town.c: a town of about 300 m: blocks of houses around a square with arcades, a church, fences, and poles with
- * wires thinner than a shadow texel.
+ * A town of about 300 m: blocks of houses around a square with arcades, a church, fences, and poles with wires thinner
+ * than a shadow texel.
  */
 #include "base/linear.h"
 #include "scene/mesh_builder.h"

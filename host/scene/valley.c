@@ -1,6 +1,6 @@
 /*
- * scene_valley.c: a valley 2 km deep along the view: hills on both sides, a river, mountains at its end, forests and
- * rocks. The terrain is tiled, so that culling has something to do.
+ * A valley 2 km deep along the view: hills on both sides, a river, mountains at its end, forests and rocks. The terrain
+ * is tiled, so that there is something to cull.
  */
 #include "base/host.h"
 #include "base/linear.h"

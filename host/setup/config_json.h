@@ -6,9 +6,9 @@
 #include <jansson.h>
 
 /*
- * The default configuration with the scene's shadow distance, then what the preset says, one that preset_find has
- * found, then the file; both may be NULL. Ranges are the library's to check. 0, or HOST_BAD_INPUT after a message that
- * names the key.
+ * The default configuration with the scene's shadow distance, then what the preset says, then what the file says. Both
+ * may be NULL. Precondition: preset_find has found the preset. The library checks ranges. 0, or HOST_BAD_INPUT after a
+ * message that names the key.
  */
 int config_load(csm_config *out, const char *preset, const char *path, double shadow_distance);
 /* What an object says, over what `config` holds. `from` begins messages. 0, or HOST_BAD_INPUT as above. */

@@ -73,8 +73,10 @@ const char *options_base_name(const host_options *options);
 
 /* A light as --light takes it. 0, or HOST_BAD_INPUT after a message. */
 int light_from_text(scene_light *out, const char *text, const json_source *from);
-/* A camera as --camera takes it, if not from a file; what the text leaves out, or all if it is NULL, is `standard`'s.
- * 0, or HOST_BAD_INPUT after a message. */
+/*
+ * A camera in --camera's own words. What the text leaves out, all if it is NULL, is `standard`'s. 0, or HOST_BAD_INPUT
+ * after a message.
+ */
 int camera_from_text(camera *out, const camera_pose *standard, const char *text, double aspect,
                      const json_source *from);
 

@@ -7,7 +7,7 @@
 
 /* The table's stream: stdout, or stderr where stdout is for JSON. */
 FILE *output_table(const host_options *options);
-/* Writes `value`, and releases it, where --json says, if it does. 0, or HOST_BAD_INPUT after a message. */
+/* Writes `value` where --json says, if it is given, and releases it. 0, or HOST_BAD_INPUT after a message. */
 int output_json(const host_options *options, json_t *value);
 /* Writes to stdout, and releases it. */
 int output_json_to_stdout(json_t *value);

@@ -9,8 +9,8 @@
 const char *preset_name(uint32_t index);
 
 /*
- * The name as presets have it, which is static text, or NULL after a message that begins with `option` and lists the
- * names there are.
+ * The name as presets have it: static text. NULL after a message that begins with `option` and lists the names there
+ * are.
  */
 const char *preset_find(const char *option, const char *name);
 

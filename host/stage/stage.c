@@ -31,7 +31,7 @@ static int exit_code(csm_result result) {
   }
 }
 
-/* What the backend opens by itself; another device that was asked for goes by what was asked. */
+/* What the backend opens by itself. Another device that was asked for goes by what was asked. */
 static void describe_device(stage *s, const char *asked) {
   csm_backend_info infos[8] = {{.struct_size = sizeof infos[0]}};
   uint32_t count = 8;

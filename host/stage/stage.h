@@ -69,8 +69,10 @@ int stage_render(stage *s);
 /* Draws the cascades and the mask with timestamps, and waits. 0, or a code after a message. */
 int stage_draw(stage *s, stage_stats *stats);
 
-/* Reads back what was drawn, all but its stats; the maps only if they are wanted. 0, or a code after a message;
- * stage_frame_free is always allowed. */
+/*
+ * Reads back what was drawn, with the maps if they are wanted; the stats are left out. 0, or a code after a message;
+ * stage_frame_free is always allowed.
+ */
 int stage_read(stage *s, bool maps, stage_frame *out);
 
 /* Adds the views of what was drawn and read, and its casters. The mask on the device is a view afterwards. 0, or a code
@@ -80,9 +82,9 @@ int stage_read_views(stage *s, stage_frame *out);
 /* Draws the cascades for a camera and a light. 0, or a code after a message. */
 int stage_draw_from(stage *s, const camera *from, const scene_light *light);
 /*
- * Resolves the mask of what a camera sees, and reads it back. The maps are those that were drawn last, maybe for another
- * camera. camera_depth and cascades, which gets CSM_SHOW_CASCADE, may be NULL. All hold width * height pixels. 0, or a
- * code after a message.
+ * Resolves the mask of what a camera sees, and reads it back. The maps are those that were drawn last, maybe for
+ * another camera. camera_depth and cascades, which gets CSM_SHOW_CASCADE, may be NULL. All hold width * height pixels.
+ * 0, or a code after a message.
  */
 int stage_mask(stage *s, const camera *from, float *mask, float *camera_depth, float *cascades);
 
@@ -96,7 +98,7 @@ void stage_frame_free(stage_frame *frame);
 /* Texels of a cascade's map. */
 size_t stage_map_texels(const stage_frame *frame, uint32_t cascade);
 
-/* Milliseconds on the GPU: the clear and every cascade; the mask alone; the mask and the depth that it was drawn from. */
+/* Milliseconds on the GPU: of the clear and every cascade, of the mask alone, of the mask and the camera's depth. */
 double stage_maps_ms(const stage_stats *stats);
 double stage_mask_ms(const stage_stats *stats);
 double stage_view_ms(const stage_stats *stats);

@@ -101,7 +101,7 @@ static bool load(truth_store *store, uint64_t key, void *data, size_t size) {
   return whole;
 }
 
-/* Under another name first, so that no one finds half a file. What cannot be kept is cast again, no more. */
+/* Under another name first, so that no one finds half a file. What cannot be kept is cast again. */
 static void keep(truth_store *store, uint64_t key, const void *data, size_t size) {
   char path[5000], partial[5050];
   if (!file_name(path, store, key))

@@ -13,7 +13,7 @@ typedef struct truth_store {
 } truth_store;
 
 /*
- * `folder` is where truths are kept; NULL: $XDG_CACHE_HOME/csm or ~/.cache/csm, where one of them can be made. `s` must
+ * Truths are kept in `folder`; NULL: in $XDG_CACHE_HOME/csm or ~/.cache/csm, where one of them can be made. `s` must
  * outlive the store. 0, or HOST_BAD_INPUT after a message; truth_store_close is allowed in both cases.
  */
 int truth_store_open(truth_store *out, const scene *s, bool alpha_test, const char *folder);

@@ -13,8 +13,10 @@ static uint32_t hash(uint32_t value) {
   return value ^ value >> 16;
 }
 
-/* The first two dimensions of Sobol's sequence: a (0, 2)-sequence in base 2. Bits are turned by a scramble, which keeps
- * every stratum. */
+/*
+ * The first two dimensions of Sobol's sequence: a (0, 2)-sequence in base 2. A scramble turns bits, which keeps every
+ * stratum.
+ */
 static double sobol(uint32_t index, int dimension, uint32_t scramble) {
   uint32_t bits = 0, direction = 1u << 31;
   for (; index; index >>= 1) {

@@ -11,8 +11,8 @@ typedef struct truth_sun {
 } truth_sun;
 
 /*
- * Spreads `samples` directions evenly over the disc's solid angle, stratified for every part of the set from its start
- * whose length is a power of two. A disc of 0 degrees makes one direction.
+ * Spreads `samples` directions evenly over the disc's solid angle. The first 1, 2, 4, 8, ... of them are stratified,
+ * too. A disc of 0 degrees makes one direction.
  */
 void truth_sun_make(truth_sun *out, const scene_light *light, uint32_t samples);
 void truth_sun_free(truth_sun *sun);

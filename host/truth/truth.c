@@ -15,8 +15,10 @@
 /* The origin of the float32 vertices lies on a grid, so that what is seen depends on the camera alone, and most steps
  * along a path need no new geometry. */
 #define ORIGIN_GRID 16.0
-/* A point lies at least this far, in weights, inside its triangle: a pixel's centre that falls on an edge to within
- * float32's rounding belongs to one triangle alone. */
+/*
+ * A point lies at least this far, in weights, inside its triangle. So a pixel's centre that falls on an edge, to within
+ * float32's rounding, belongs to one triangle alone.
+ */
 #define INSIDE 1e-7
 
 struct truth {
@@ -89,8 +91,8 @@ static int place_geometry(truth *t, const double position[3]) {
 }
 
 /*
- * Embree finds where a ray may hit, in float32; whether it does is settled here in doubles, and by what a triangle is
- * made of. The triangle that a ray starts on is left out by its id.
+ * Embree finds in float32 where a ray may hit. Whether it does is decided here, in doubles, with the triangle's alpha
+ * mask. The triangle that a ray starts on is left out by its id.
  */
 static bool counts(const cast *c, uint32_t triangle, uint32_t ray, double u, double v) {
   if (c->geometry->surfaces[triangle] == c->surface)
@@ -105,8 +107,10 @@ static bool counts(const cast *c, uint32_t triangle, uint32_t ray, double u, dou
   return truth_geometry_opaque(c->geometry, triangle, weights);
 }
 
-/* Embree hands a filter its rays and hits as arrays of n, one for each member in the order of struct RTCRay and RTCHit;
- * its own functions for that are C++. */
+/*
+ * Embree hands a filter its rays and hits as arrays of n, one for each member in the order of struct RTCRay and RTCHit.
+ * Embree's own functions for that are C++.
+ */
 static uint32_t ray_id(const struct RTCFilterFunctionNArguments *arguments, uint32_t index) {
   return ((const uint32_t *)arguments->ray)[offsetof(struct RTCRay, id) / sizeof(float) * arguments->N + index];
 }

@@ -42,8 +42,7 @@ int truth_find(truth *t, const camera *from, uint32_t width, uint32_t height, ui
  */
 int truth_view_fill(truth *t, const truth_view *view, const uint32_t *triangles);
 
-/* How far a part of the sun's samples already tells the same: differences from all of them, over pixels with a partly
- * hidden sun. */
+/* How near a part of the sun's samples comes to all of them, over pixels with a partly hidden sun. */
 typedef struct truth_convergence {
   uint32_t samples;
   uint64_t pixels;              /* that see a part of the sun, by all samples or by the first half */

@@ -4,7 +4,7 @@
 
 #include "scene/camera.h"
 
-/* Where it started, and how far it has turned since; its projection and handedness stay what they were. */
+/* Where it started, and how far it has turned since. Its projection and handedness stay. */
 typedef struct view_camera {
   camera start;
   double right[3];        /* unit: its right at the start */

@@ -1,6 +1,6 @@
 /*
- * view/surfaces.h: what the viewer's camera sees: at once and without colours, from its depth; with the scene's
- * colours, by casting rays in the background while the camera rests.
+ * view/surfaces.h: what the viewer's camera sees. Its depth gives surfaces at once, without colours. Rays that are cast
+ * in the background while the camera rests add the scene's colours.
  */
 #ifndef HOST_VIEW_SURFACES_H
 #define HOST_VIEW_SURFACES_H

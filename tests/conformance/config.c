@@ -2,6 +2,7 @@
 #include "support.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -150,11 +151,70 @@ static void what_is_freed_without_a_frame_is_free(void **state) {
   support_close(context, &record);
 }
 
+/* ---- the text that fixes shaders ---- */
+
+/* Lines of "#define NAME NUMBER" alone, each name once. */
+static void check_lines(const char *text) {
+  uint32_t lines = 0;
+  for (const char *line = text; *line; line = strchr(line, '\n') + 1, ++lines) {
+    char name[64];
+    unsigned value;
+    int length = 0;
+    assert_int_equal(sscanf(line, "#define %63[A-Z0-9_] %u%n", name, &value, &length), 2);
+    assert_true(line[length] == '\n' && !strncmp(name, "CSM_", 4));
+    char again[80];
+    snprintf(again, sizeof again, "#define %s ", name);
+    assert_null(strstr(line + length, again));
+  }
+  assert_true(lines > 4);
+}
+
+static void defines_are_written_where_they_fit(void **state) {
+  (void)state;
+  char text[2048], other[2048];
+  csm_config config = support_config();
+  uint64_t size = 0, room;
+  assert_int_equal(csm_shader_defines(&config, NULL, &size), CSM_SUCCESS);
+  assert_in_range(size, 64, sizeof text);
+  memset(text, 'x', sizeof text);
+  room = size - 1;
+  assert_int_equal(csm_shader_defines(&config, text, &room), CSM_ERROR_INVALID_VALUE);
+  assert_true(room == size && text[0] == 'x'); /* told, and nothing is written */
+  assert_int_equal(csm_shader_defines(&config, text, &room), CSM_SUCCESS);
+  assert_true(room == size && strlen(text) + 1 == size && text[size] == 'x');
+  check_lines(text);
+  config.filter = CSM_FILTER_PCF_2X2;
+  room = sizeof other;
+  assert_int_equal(csm_shader_defines(&config, other, &room), CSM_SUCCESS);
+  check_lines(other);
+  assert_string_not_equal(text, other);
+}
+
+static void defines_of_what_is_wrong(void **state) {
+  (void)state;
+  const csm_config good = support_config();
+  csm_config config = good;
+  char text[16] = "as it was";
+  uint64_t size = sizeof text;
+  assert_int_equal(csm_shader_defines(&good, text, NULL), CSM_ERROR_NULL_POINTER);
+  assert_int_equal(csm_shader_defines(NULL, text, &size), CSM_ERROR_NULL_POINTER);
+  config.struct_size = 0;
+  assert_int_equal(csm_shader_defines(&config, text, &size), CSM_ERROR_STRUCT_SIZE);
+  config = good, config.shadow_distance = NAN;
+  assert_int_equal(csm_shader_defines(&config, text, &size), CSM_ERROR_NOT_FINITE);
+  config = good, config.filter = 99;
+  assert_int_equal(csm_shader_defines(&config, text, &size), CSM_ERROR_INVALID_VALUE);
+  assert_true(size == sizeof text);
+  assert_string_equal(text, "as it was");
+}
+
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(values_out_of_range),
       cmocka_unit_test(contradictions),
       cmocka_unit_test(what_is_freed_without_a_frame_is_free),
+      cmocka_unit_test(defines_are_written_where_they_fit),
+      cmocka_unit_test(defines_of_what_is_wrong),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
 }

@@ -5,6 +5,7 @@
 #include "outcome.h"
 #include "telling.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -191,6 +192,68 @@ static void changes_come_one_after_another(void **state) {
   while (f.count)
     remove_at(&f, f.count / 2);
   expect_model(&f, "all gone");
+  teardown(&f);
+}
+
+/* The same on every machine and run: a number below `limit`. */
+static uint32_t chance(uint64_t *state, uint32_t limit) {
+  *state = *state * 6364136223846793005ull + 1442695040888963407ull;
+  return (uint32_t)((*state >> 33) % limit);
+}
+
+static void move_by_chance(fixture *f, uint64_t *state) {
+  const uint32_t place = chance(state, f->count);
+  double *m = f->model[place].transform;
+  for (int axis = 0; axis < 3; ++axis)
+    m[12 + axis] += (int)chance(state, 9) - 4;
+  for (int i = 0; chance(state, 8) == 0 && i < 12; ++i) /* now and then it shrinks to nothing */
+    m[i] = 0;
+  succeed(f, csm_scene_move(f->scene, &(csm_scene_batch){.struct_size = sizeof(csm_scene_batch),
+                                                         .count = 1,
+                                                         .ids = &f->ids[place],
+                                                         .matrices = m}));
+}
+
+static void change_by_chance(fixture *f, uint64_t *state) {
+  const uint32_t place = chance(state, f->count);
+  const csm_mesh meshes[4] = {f->telling.square, f->telling.box, f->telling.wedge, f->telling.leaf};
+  csm_instance *instance = &f->model[place];
+  instance->mesh = meshes[chance(state, 4)];
+  instance->flags = (const uint32_t[]){0, 0, CSM_INSTANCE_CAST_ONLY, CSM_INSTANCE_RECEIVE_ONLY,
+                                       CSM_INSTANCE_HIDDEN}[chance(state, 5)];
+  succeed(f, csm_scene_change(f->scene, &(csm_scene_batch){.struct_size = sizeof(csm_scene_batch),
+                                                           .count = 1,
+                                                           .ids = &f->ids[place],
+                                                           .instances = instance}));
+}
+
+/* Many small changes, of which some frames see one and others a dozen. */
+static void changes_of_every_kind_come_at_random(void **state) {
+  (void)state;
+  enum { FRAMES = 40, FEW = 4, MANY = 2 * TELLING_INSTANCES - 4 };
+  csm_config config = small_config();
+  config.resolution = 64;
+  config.depth_mode = CSM_DEPTH_SCENE_CLIPPED;
+  fixture f;
+  uint64_t numbers = 7;
+  setup_with(&f, &config);
+  add(&f, f.telling.instances, TELLING_INSTANCES);
+  for (int frame = 0; frame < FRAMES; ++frame) {
+    for (uint32_t changes = chance(&numbers, frame % 4 ? 3 : 13); changes > 0; --changes) {
+      const uint32_t kind = chance(&numbers, 6);
+      if (kind == 0 && f.count > FEW)
+        remove_at(&f, chance(&numbers, f.count));
+      else if (kind == 1 && f.count < MANY)
+        add(&f, f.telling.instances + chance(&numbers, TELLING_INSTANCES - 2), 2);
+      else if (kind == 2)
+        change_by_chance(&f, &numbers);
+      else
+        move_by_chance(&f, &numbers);
+    }
+    char what[32];
+    snprintf(what, sizeof what, "frame %d", frame);
+    expect_model(&f, what);
+  }
   teardown(&f);
 }
 
@@ -503,6 +566,7 @@ int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_scene_equals_the_same_list),
       cmocka_unit_test(changes_come_one_after_another),
+      cmocka_unit_test(changes_of_every_kind_come_at_random),
       cmocka_unit_test(the_last_of_a_batch_stays),
       cmocka_unit_test(flags_say_who_casts_and_who_is_seen),
       cmocka_unit_test(layers_are_those_of_the_light),

@@ -128,6 +128,28 @@ static PFN_vkVoidFunction VKAPI_CALL judged_function(VkInstance instance, const 
   return vkGetInstanceProcAddr(instance, name);
 }
 
+/* ---- structs of Direct3D 12 ---- */
+
+/* An image's struct of the other API is told by what it would mean here. */
+static void a_foreign_image_is_refused(void **state) {
+  (void)state;
+  stage stage;
+  rig *rig = rig_open(RIG_TYPICAL);
+  const csm_d3d12_image foreign = {
+      .struct_size = sizeof foreign, .format = 41, .resource = rig, .width = 96, .height = 64};
+  stage_open(&stage, rig);
+  stage.record.quiet = true;
+  rig_begin(rig);
+  shot shot = stage_shot(&stage, 0);
+  stage_render(&stage, &shot);
+  const csm_mask_info mask = {
+      .struct_size = sizeof mask, .frame = shot_frame(&shot), .width = 96, .height = 64, .camera_depth = &foreign};
+  assert_int_equal(csm_resolve_mask(stage.view, stage.cascades, &mask), CSM_ERROR_INVALID_VALUE);
+  stage_finish(&stage);
+  stage_close(&stage);
+  rig_close(rig);
+}
+
 /* ---- what an engine lends ---- */
 
 /* Every pipeline is made with the engine's cache. */
@@ -211,7 +233,7 @@ int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_clamp_follows_the_engine), cmocka_unit_test(a_device_that_clips_is_refused),
       cmocka_unit_test(the_engines_cache_is_used),    cmocka_unit_test(an_allocator_may_lend_nothing),
-      cmocka_unit_test(asks_for_no_more_than_it_may),
+      cmocka_unit_test(asks_for_no_more_than_it_may), cmocka_unit_test(a_foreign_image_is_refused),
   };
   char *arguments[] = {argv[0], (char *)"vulkan"};
   return gpu ? support_main(2, arguments, tests, sizeof tests / sizeof tests[0]) : 2;
