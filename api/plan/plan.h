@@ -163,10 +163,14 @@ typedef struct plan_list {
 /* What a view saw: the least and the greatest depth in each square tile of its depth buffer, rows from the top. */
 typedef struct plan_depth_samples {
   plan_camera camera;
+  plan_camera maps_camera; /* of the maps that the view was resolved with */
   uint32_t width, height, tile_px;
   uint32_t columns, rows;   /* 0: nothing is known */
   const float (*depths)[2]; /* as in the buffer; the first is above the second where there was no surface */
 } plan_depth_samples;
+
+/* Whether a view looked where its maps did, so that they are fitted to what it saw. A reflection does not. */
+bool plan_depth_samples_count(const plan_depth_samples *samples, double margin);
 
 /* A size, as steps of a logarithm. */
 typedef struct plan_steps {
