@@ -1,6 +1,7 @@
 #include "abi/cascades.h"
 
 #include "abi/view.h"
+#include "techniques/depth_samples/depth_samples.h"
 
 static csm_result read_config(csm_context *context, const csm_config *in, csm_config *out) {
   csm_result result = host_check_struct(&context->host, struct_read(out, sizeof *out, in), "csm_config");
@@ -29,8 +30,15 @@ bool cascades_known(const csm_context *context, const csm_cascades *cascades) {
   return known;
 }
 
-bool planned_current(const planned *planned) {
-  return !planned->scene_gone && (!planned->scene || planned->scene->store.revision == planned->revision);
+bool planned_current(const csm_cascades *cascades) {
+  const planned *planned = cascades_planned(cascades);
+  const mesh_table *meshes = &cascades->context->assets.meshes;
+  if (planned->scene) /* a mesh that changes counts as a change of its instances */
+    return planned->scene->store.revision == planned->revision;
+  bool current = !planned->scene_gone;
+  for (uint32_t i = 0; i < planned->list.live && current; ++i)
+    current = meshes->revisions[planned->list.slots[i].mesh] <= planned->meshes_revision;
+  return current;
 }
 
 void cascades_forget_scene(csm_context *context, const csm_scene *scene) {
@@ -103,6 +111,9 @@ csm_result CSM_CALL csm_cascades_configure(csm_cascades *cascades, const csm_con
   technique_set_adopt(&cascades->techniques, device, &own);
   cascades->config = own;
   cascades->drawn = false;
+  for (csm_view *v = cascades->context->views; v && own.depth_samples == CSM_DEPTH_SAMPLES_OFF; v = v->next)
+    if (v->cascades == cascades)
+      depth_samples_drop(&v->techniques, device);
   plan_history_reconfigure(&cascades->history);
   return CSM_SUCCESS;
 }

@@ -15,6 +15,7 @@ typedef struct planned {
   const csm_scene *scene; /* NULL: the list */
   bool scene_gone;        /* it was destroyed since */
   uint64_t revision;      /* of the scene */
+  uint64_t meshes_revision;
   uint32_t instances, changed;
   csm_constants constants;
 } planned;
@@ -30,6 +31,7 @@ struct csm_cascades {
   size_t samples_size;
   planned plans[2]; /* the last one that was drawn, and room for the next */
   uint32_t current;
+  uint64_t renders;
   bool drawn; /* maps hold plans[current], planned with config */
   double plan_ms, record_ms;
 };
@@ -48,6 +50,6 @@ static inline const planned *cascades_planned(const csm_cascades *cascades) {
 }
 
 /* Whether what the last plan was made of is as it was then. */
-bool planned_current(const planned *planned);
+bool planned_current(const csm_cascades *cascades);
 
 #endif

@@ -6,7 +6,14 @@
 
 /* ---- planning ---- */
 
-/* What the views that were resolved with these cascades have seen. */
+/* Renders without a resolve after which a view is none of these cascades' pictures any more. */
+enum { most_unresolved = 8 };
+
+static bool resolves(const csm_view *view, const csm_cascades *cascades) {
+  return view->cascades == cascades && cascades->renders - view->renders <= most_unresolved;
+}
+
+/* What the views that are resolved with these cascades have seen, of those that look where they do. */
 static csm_result gather_samples(csm_cascades *cascades, uint32_t *count) {
   csm_context *context = cascades->context;
   uint32_t most = 0;
@@ -14,14 +21,15 @@ static csm_result gather_samples(csm_cascades *cascades, uint32_t *count) {
   if (cascades->config.depth_samples == CSM_DEPTH_SAMPLES_OFF)
     return CSM_SUCCESS;
   for (const csm_view *v = context->views; v; v = v->next)
-    most += v->cascades == cascades;
+    most += resolves(v, cascades);
   const csm_result result =
       host_grow(&context->host, (void **)&cascades->samples, &cascades->samples_size, most * sizeof *cascades->samples);
   for (const csm_view *v = context->views; v && !result; v = v->next) {
-    if (v->cascades != cascades)
+    if (!resolves(v, cascades))
       continue;
-    depth_samples_collect(&v->techniques, context_device(context), &cascades->samples[*count]);
-    *count += cascades->samples[*count].columns != 0;
+    plan_depth_samples *samples = &cascades->samples[*count];
+    depth_samples_collect(&v->techniques, context_device(context), samples);
+    *count += plan_depth_samples_count(samples, cascades->config.depth_samples_margin);
   }
   return result;
 }
@@ -58,6 +66,7 @@ static csm_result make_plan(csm_cascades *cascades, const frame_input *input, pl
   out->scene = frame->scene;
   out->scene_gone = false;
   out->revision = store->revision;
+  out->meshes_revision = context->assets.meshes.revision;
   out->instances = store->live;
   uint32_t sample_count;
   result = gather_samples(cascades, &sample_count);
@@ -121,6 +130,7 @@ csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame 
   cascades->current = !cascades->current;
   cascades->history = next->frame.history;
   cascades->drawn = true;
+  ++cascades->renders;
   cascades->plan_ms = planned_ms - begin_ms + times.write_ms;
   cascades->record_ms = times.record_ms;
   return CSM_SUCCESS;

@@ -1,6 +1,7 @@
 #include "abi/cascades.h"
 #include "abi/frame_input.h"
 #include "abi/view.h"
+#include "techniques/depth_samples/depth_samples.h"
 
 enum { largest_mask = 16384 };
 
@@ -95,7 +96,11 @@ csm_result CSM_CALL csm_resolve_mask(csm_view *view, csm_cascades *cascades, con
     result = look(context, &r);
   if (!result)
     result = record(view, cascades, &r);
-  if (!result)
-    view->cascades = cascades;
-  return result;
+  if (result)
+    return result;
+  view->cascades = cascades;
+  view->renders = cascades->renders;
+  if (cascades->config.depth_samples == CSM_DEPTH_SAMPLES_OFF)
+    depth_samples_drop(&view->techniques, context_device(context));
+  return CSM_SUCCESS;
 }

@@ -1,10 +1,10 @@
 #include "abi/cascades.h"
 #include "abi/view.h"
 
-/* Of everything that the last plan holds; 0 if its instances have changed since. */
+/* Of everything that the last plan holds; 0 if its instances, or meshes, have changed since. */
 static uint64_t hash_of(const csm_cascades *cascades) {
   const planned *planned = cascades_planned(cascades);
-  if (!cascades->drawn || !planned_current(planned))
+  if (!cascades->drawn || !planned_current(cascades))
     return 0;
   const instances *store = planned->scene ? &planned->scene->store : &planned->list;
   const plan_scene scene = scene_of(&cascades->context->assets, store);
@@ -60,7 +60,7 @@ csm_result CSM_CALL csm_get_view_stats(csm_view *view, csm_view_stats *out) {
 static csm_result casters_of_scene(csm_cascades *cascades, uint32_t count, const csm_instance_id *ids, uint8_t *drawn) {
   host *host = &cascades->context->host;
   const planned *planned = cascades_planned(cascades);
-  if (!planned_current(planned))
+  if (!planned_current(cascades))
     return host_fail(host, CSM_ERROR_INVALID_STATE, "the scene has changed since its last frame");
   const instances *store = &planned->scene->store;
   for (uint32_t i = 0; i < count; ++i)

@@ -25,7 +25,7 @@ static void change_device(csm_context *context, opened *fresh) {
     technique_set_drop(&v->techniques, old->device);
   context->opened = fresh;
   assets_moved(&context->assets, fresh->device);
-  if (old->device->own || old->device->lost) {
+  if (old->device->own || old->device->lost || old->device->serial <= old->device->done) {
     context_close(context, old);
   } else {
     old->next = context->former;

@@ -10,6 +10,7 @@ struct csm_view {
   csm_view *next, **link;
   technique_set techniques;
   const csm_cascades *cascades; /* that it was resolved with last; NULL: none that are there */
+  uint64_t renders;             /* of theirs, then */
 };
 
 /* Whether it is a context's. The pointer is compared, not followed. */

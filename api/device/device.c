@@ -3,13 +3,35 @@
 #include "device/alpha_images.h"
 #include "device/geometry.h"
 
+#include <stdio.h>
+
 enum { default_slots = 3, copied_stride = 12 };
 
 csm_result device_check(device *device, csm_result result, const char *what) {
-  if (!result)
-    return CSM_SUCCESS;
   device->lost |= result == CSM_ERROR_DEVICE_LOST;
-  return host_fail(device->host, result, "%s: %s", what, csm_result_name(result));
+  if (result)
+    host_fail(device->host, result, "%s: %s", what, device->said[0] ? device->said : csm_result_name(result));
+  device->said[0] = 0;
+  return result;
+}
+
+/* ---- what the backend is lent ---- */
+
+static void *CSM_CALL lend_memory(void *user, size_t size, size_t alignment) {
+  const host *host = ((const device *)user)->host;
+  return host->allocate(host->user, size, alignment);
+}
+
+static void CSM_CALL take_memory_back(void *user, void *memory) {
+  const host *host = ((const device *)user)->host;
+  host->release(host->user, memory);
+}
+
+static void CSM_CALL hear(void *user, int32_t level, const char *message) {
+  device *device = user;
+  if (level == CSM_LOG_ERROR)
+    snprintf(device->said, sizeof device->said, "%s", message);
+  device->host->log(device->host->user, level, message);
 }
 
 csm_result device_shape(device *device, mesh_vertices vertices, uint32_t *index) {
@@ -51,7 +73,7 @@ csm_result device_open(const device_open_info *info, device **out) {
   if (!fresh)
     return CSM_ERROR_OUT_OF_MEMORY;
   fresh->host = host;
-  fresh->lent = (gpu_host){.user = host->user, .allocate = host->allocate, .release = host->release, .log = host->log};
+  fresh->lent = (gpu_host){.user = fresh, .allocate = lend_memory, .release = take_memory_back, .log = hear};
   fresh->own = !info->native;
   fresh->memory_limit = info->memory_limit;
   fresh->slot_count = info->slots ? info->slots : default_slots;

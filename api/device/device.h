@@ -55,7 +55,7 @@ typedef struct uploads {
   uint32_t count, capacity;
   struct staging *filling; /* that the items lie in, newest first */
   struct staging *idle;    /* that frames are done with */
-  uint32_t idle_count;
+  uint64_t frames;         /* counts them, for the age of what is idle */
 } uploads;
 
 /* Arrays are by the mesh's index. */
@@ -119,7 +119,8 @@ typedef struct next_frame {
 
 struct device {
   host *host;
-  gpu_host lent; /* what the backend was lent: must not move */
+  gpu_host lent;  /* what the backend was lent: must not move */
+  char said[256]; /* by the backend, of its last error; empty: nothing since the last device_check */
   gpu gpu;
   gpu_device_info info;
   bool own; /* else an engine's */
@@ -131,7 +132,7 @@ struct device {
   uint64_t done;             /* frames up to this one are done */
   next_frame prepared;
   frame_slot slots[DEVICE_MAX_SLOTS];
-  retired *retired;
+  retired *retired, *retired_last; /* oldest first; the last one is there if any is */
 
   geometry geometry;
   alpha_images alpha_images;
@@ -155,7 +156,8 @@ typedef struct device_open_info {
 csm_result device_open(const device_open_info *info, device **out);
 /* Destroys everything at once. The GPU must be done with it, or be lost; an own one is waited for. */
 void device_close(device *device);
-/* host_fail for a backend's result, with what was tried; a lost device is marked. CSM_SUCCESS passes through. */
+/* host_fail for a backend's result, with what was tried and what the backend said of it; a lost device is marked.
+   CSM_SUCCESS passes through. */
 csm_result device_check(device *device, csm_result result, const char *what);
 /* The index of a shape, added if it is new. Errors: LIMIT_EXCEEDED. */
 csm_result device_shape(device *device, mesh_vertices vertices, uint32_t *index);
@@ -175,7 +177,8 @@ csm_result device_drawn_image(device *device, const gpu_image_info *wanted, gpu_
 
 /* ---- retire.c ---- */
 
-/* Hands a thing over to be destroyed once every frame recorded so far is done. */
+/* Hands a thing over to be destroyed once every frame recorded so far is done. Things go in the order in which they
+   came: bindings are retired before what they bind. */
 void retire(device *device, retired *thing, void (*destroy)(struct device *, retired *));
 /* Destroys what no frame after `done` uses. */
 void retire_collect(device *device);
@@ -184,8 +187,8 @@ void retire_collect(device *device);
 
 enum { RING_ALIGNMENT = 256 };
 
-/* A piece of a slot's ring. `fresh`: the slot begins a new frame. */
-csm_result ring_reserve(device *device, frame_slot *slot, bool fresh, uint64_t size, ring_range *range);
+/* A piece of a slot's ring. */
+csm_result ring_reserve(device *device, frame_slot *slot, uint64_t size, ring_range *range);
 /* Bytes of all rings. */
 uint64_t ring_bytes(const device *device);
 void ring_destroy(device *device);

@@ -148,9 +148,9 @@ static csm_result add_shape(device *device, const csm_mesh_info *info, const mes
   mesh_vertices vertices = {.stride = place->piece ? position_bytes : place->engine.vertex_stride};
   if (cut_out->mask)
     vertices.uv_stride = place->piece ? uv_bytes : place->engine.uv_stride;
-  csm_result result = device_shape(device, vertices, &mesh->shape);
-  if (!result && cut_out->mask)
-    result = add_cut_out(device, cut_out, info->alpha_cutoff, place);
+  csm_result result = cut_out->mask ? add_cut_out(device, cut_out, info->alpha_cutoff, place) : CSM_SUCCESS;
+  if (!result) /* last: a shape never goes */
+    result = device_shape(device, vertices, &mesh->shape);
   mesh->index_count = info->index_count;
   mesh->index_size = info->index_size;
   mesh->two_sided = info->flags & CSM_MESH_TWO_SIDED;

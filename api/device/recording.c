@@ -1,10 +1,10 @@
 #include "device/device.h"
 
-/* Takes over what a slot's frame measured, now that it is done. */
+/* Takes over what a slot's frame measured, now that it is done. A lost device has measured nothing. */
 static csm_result collect_timings(device *device, uint32_t index) {
   frame_slot *slot = &device->slots[index];
   csm_result result = CSM_SUCCESS;
-  for (uint32_t i = 0; i < slot->timing_count && !result; ++i) {
+  for (uint32_t i = 0; i < slot->timing_count && !result && !device->lost; ++i) {
     const timing *timing = &slot->timings[i];
     uint64_t stamps[GPU_MAX_TIMESTAMPS];
     if (!timing->sink.user)
@@ -59,8 +59,11 @@ csm_result recording_prepare(device *device, uint64_t frame, uint64_t ring_size,
   if (result)
     return result;
   retire_collect(device);
+  frame_slot *slot = &device->slots[next.slot];
+  if (next.fresh && slot->ring) /* whatever this recording asks for: the next of its frame goes on from here */
+    slot->ring->used = 0;
   if (ring_size)
-    result = ring_reserve(device, &device->slots[next.slot], next.fresh, ring_size, range);
+    result = ring_reserve(device, slot, ring_size, range);
   if (!result)
     device->prepared = next;
   return result;
@@ -74,7 +77,7 @@ csm_result recording_begin(device *device, void *native) {
     return result;
   frame_slot *slot = &device->slots[next->slot];
   if (next->fresh)
-    slot->stamps = 0;
+    slot->stamps = slot->timing_count = 0;
   slot->serial = device->serial = next->serial;
   device->slot = next->slot;
   geometry_record(device);
@@ -112,11 +115,16 @@ void recording_forget_timing(device *device, const void *user) {
 
 /* ---- ends ---- */
 
+/* The slot of the i-th oldest frame, so that what was measured last is told last. */
+static uint32_t oldest_slot(const device *device, uint32_t i) {
+  return (device->slot + 1 + i) % device->slot_count;
+}
+
 csm_result recording_finish(device *device) {
   if (!device->own)
     return CSM_SUCCESS;
-  for (uint32_t slot = 0; slot < device->slot_count; ++slot) {
-    const csm_result result = wait_for_slot(device, slot);
+  for (uint32_t i = 0; i < device->slot_count; ++i) {
+    const csm_result result = wait_for_slot(device, oldest_slot(device, i));
     if (result)
       return result;
   }
@@ -125,12 +133,16 @@ csm_result recording_finish(device *device) {
 }
 
 csm_result recording_retire(device *device, uint64_t frame) {
-  csm_result result = CSM_SUCCESS;
-  for (uint32_t slot = 0; slot < device->slot_count && !result; ++slot)
-    if (device->slots[slot].serial > device->done && device->slots[slot].serial <= frame)
-      result = collect_timings(device, slot);
+  csm_result first = CSM_SUCCESS;
+  for (uint32_t i = 0; i < device->slot_count; ++i) {
+    const uint32_t slot = oldest_slot(device, i);
+    if (device->slots[slot].serial <= device->done || device->slots[slot].serial > frame)
+      continue;
+    const csm_result result = collect_timings(device, slot);
+    first = first ? first : result;
+  }
   if (frame > device->done)
     device->done = frame;
   retire_collect(device);
-  return result;
+  return first;
 }

@@ -3,8 +3,12 @@
 void retire(device *device, retired *thing, void (*destroy)(struct device *, retired *)) {
   thing->serial = device->serial;
   thing->destroy = destroy;
-  thing->next = device->retired;
-  device->retired = thing;
+  thing->next = NULL;
+  if (device->retired)
+    device->retired_last->next = thing;
+  else
+    device->retired = thing;
+  device->retired_last = thing;
 }
 
 void retire_collect(device *device) {
@@ -15,6 +19,7 @@ void retire_collect(device *device) {
       *link = thing->next;
       thing->destroy(device, thing);
     } else {
+      device->retired_last = thing;
       link = &thing->next;
     }
   }

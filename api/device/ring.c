@@ -26,8 +26,8 @@ static csm_result ring_create(device *device, uint64_t size, ring_buffer **out) 
 }
 
 /* A ring that is too small gives way to one that holds all that the frame has asked for so far, and more. */
-csm_result ring_reserve(device *device, frame_slot *slot, bool fresh, uint64_t size, ring_range *range) {
-  const uint64_t used = fresh || !slot->ring ? 0 : slot->ring->used;
+csm_result ring_reserve(device *device, frame_slot *slot, uint64_t size, ring_range *range) {
+  const uint64_t used = slot->ring ? slot->ring->used : 0;
   if (!slot->ring || slot->ring->size - used < size) {
     ring_buffer *ring;
     const csm_result result = ring_create(device, used + size, &ring);
@@ -36,9 +36,6 @@ csm_result ring_reserve(device *device, frame_slot *slot, bool fresh, uint64_t s
     if (slot->ring)
       retire(device, &slot->ring->retired, ring_free);
     slot->ring = ring;
-    ring->used = 0;
-  } else {
-    slot->ring->used = used;
   }
   *range = (ring_range){.buffer = slot->ring->buffer,
                         .offset = slot->ring->used,

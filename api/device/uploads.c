@@ -1,12 +1,15 @@
 #include "device/uploads.h"
 
 enum { staging_smallest = 4 << 20, first_uploads = 64 };
+/* Staging that was not wanted in so many frames goes. On an own device each recording is one. */
+enum { idle_frames = 32 };
 
 struct staging {
   retired retired;
   struct staging *next;
   gpu_buffer *buffer;
   uint64_t size, used;
+  uint64_t idle_since; /* in frames */
 };
 
 struct upload {
@@ -22,18 +25,40 @@ static void staging_free(device *device, struct staging *staging) {
   host_release(device->host, staging);
 }
 
-/* Meshes that change in every frame find staging that earlier frames are done with: as much as frames are in flight. */
+/* Meshes that change in every frame find staging that earlier frames are done with. */
 static void staging_done(device *device, retired *self) {
   struct staging *staging = (struct staging *)self;
   uploads *uploads = &device->geometry.uploads;
-  if (staging->size > staging_smallest || uploads->idle_count > device->slot_count) {
-    staging_free(device, staging);
-    return;
-  }
   staging->used = 0;
+  staging->idle_since = uploads->frames;
   staging->next = uploads->idle;
   uploads->idle = staging;
-  ++uploads->idle_count;
+}
+
+static void free_old_staging(device *device) {
+  uploads *uploads = &device->geometry.uploads;
+  struct staging **link = &uploads->idle;
+  while (*link) {
+    struct staging *staging = *link;
+    if (uploads->frames - staging->idle_since <= idle_frames) {
+      link = &staging->next;
+      continue;
+    }
+    *link = staging->next;
+    staging_free(device, staging);
+  }
+}
+
+/* Takes the smallest idle staging that holds so much; NULL: there is none. */
+static struct staging *take_idle(uploads *uploads, uint64_t size) {
+  struct staging **best = NULL;
+  for (struct staging **link = &uploads->idle; *link; link = &(*link)->next)
+    if ((*link)->size >= size && (!best || (*link)->size < (*best)->size))
+      best = link;
+  struct staging *found = best ? *best : NULL;
+  if (found)
+    *best = found->next;
+  return found;
 }
 
 static csm_result staging_create(device *device, uint64_t size, struct staging **out) {
@@ -55,20 +80,23 @@ static csm_result staging_reserve(device *device, uint64_t size, struct staging 
   uploads *uploads = &device->geometry.uploads;
   struct staging *staging = uploads->filling;
   if (!staging || staging->size - staging->used < size) {
-    staging = uploads->idle;
-    if (staging && staging->size >= size) {
-      uploads->idle = staging->next;
-      --uploads->idle_count;
-    } else {
-      const csm_result result = staging_create(device, size, &staging);
-      if (result)
-        return result;
-    }
+    staging = take_idle(uploads, size);
+    const csm_result result = staging ? CSM_SUCCESS : staging_create(device, size, &staging);
+    if (result)
+      return result;
     staging->next = uploads->filling;
     uploads->filling = staging;
   }
   *out = staging;
   return CSM_SUCCESS;
+}
+
+static void free_list(device *device, struct staging **list) {
+  while (*list) {
+    struct staging *first = *list;
+    *list = first->next;
+    staging_free(device, first);
+  }
 }
 
 /* ---- uploads ---- */
@@ -117,6 +145,8 @@ void uploads_drop(device *device, page_piece *to) {
   *gone = uploads->items[--uploads->count];
   gone->to->upload = to->upload;
   to->upload = 0;
+  if (!uploads->count) /* no recording has seen this staging */
+    free_list(device, &uploads->filling);
 }
 
 void uploads_record(device *device) {
@@ -133,19 +163,13 @@ void uploads_record(device *device) {
     uploads->filling = staging->next;
     retire(device, &staging->retired, staging_done);
   }
-}
-
-static void free_list(device *device, struct staging *list) {
-  while (list) {
-    struct staging *next = list->next;
-    staging_free(device, list);
-    list = next;
-  }
+  uploads->frames += device->prepared.fresh;
+  free_old_staging(device);
 }
 
 void uploads_destroy(device *device) {
   uploads *uploads = &device->geometry.uploads;
-  free_list(device, uploads->filling);
-  free_list(device, uploads->idle);
+  free_list(device, &uploads->filling);
+  free_list(device, &uploads->idle);
   host_release(device->host, uploads->items);
 }

@@ -1,4 +1,4 @@
-/* cache.c: boxes of casters in light space, kept from plan to plan. */
+/* cache.c: casters' boxes and transforms in light space, kept from plan to plan. */
 #include "plan/internal.h"
 
 #include <string.h>
@@ -41,42 +41,60 @@ static uint32_t blocks_of(uint32_t slots) {
 }
 
 size_t plan_cache_size(uint32_t slot_count) {
-  return (size_t)blocks_of(slot_count) * sizeof(plan_light_block);
+  return (size_t)blocks_of(slot_count) * sizeof(plan_light_block) + (size_t)slot_count * 12 * sizeof(double);
 }
 
-static void fill(plan_light_block *blocks, const plan_cache *cache, const plan_scene *scene) {
+static plan_kept find_kept(const plan_cache *cache) {
+  plan_light_block *blocks = cache->memory;
+  return (plan_kept){.blocks = blocks, .transforms = (double(*)[12])(void *)(blocks + blocks_of(cache->slots))};
+}
+
+static void put_transform(const plan_kept *kept, const double basis[9], const plan_scene *scene, uint32_t slot) {
+  const plan_instance *instance = &scene->instances[slot];
+  if (plan_casts(instance))
+    plan_light_transform(kept->transforms[slot], basis, instance, &scene->meshes[instance->mesh]);
+}
+
+static void put(const plan_kept *kept, const double basis[9], const plan_scene *scene, uint32_t slot) {
+  put_box(&kept->blocks[slot / PLAN_BLOCK], basis, scene, slot);
+  put_transform(kept, basis, scene, slot);
+}
+
+static void fill(const plan_kept *kept, const plan_cache *cache, const plan_scene *scene) {
   for (uint32_t i = 0; i < blocks_of(cache->slots); ++i)
-    plan_light_block_make(&blocks[i], cache->basis, scene, i * PLAN_BLOCK);
+    plan_light_block_make(&kept->blocks[i], cache->basis, scene, i * PLAN_BLOCK);
+  for (uint32_t slot = 0; slot < scene->slot_count; ++slot)
+    put_transform(kept, cache->basis, scene, slot);
 }
 
 /* From the journal, or, where that does not reach back so far, from the revision of every slot. */
-static void refresh(plan_light_block *blocks, const plan_cache *cache, const plan_scene *scene) {
+static void refresh(const plan_kept *kept, const plan_cache *cache, const plan_scene *scene) {
   if (cache->revision >= scene->journal_from) {
     for (uint64_t change = cache->revision; change < scene->revision; ++change) {
       const uint32_t slot = scene->journal[change & (scene->journal_size - 1)];
-      put_box(&blocks[slot / PLAN_BLOCK], cache->basis, scene, slot);
+      put(kept, cache->basis, scene, slot);
     }
     return;
   }
   for (uint32_t slot = 0; slot < scene->slot_count; ++slot)
     if (scene->revisions[slot] > cache->revision)
-      put_box(&blocks[slot / PLAN_BLOCK], cache->basis, scene, slot);
+      put(kept, cache->basis, scene, slot);
 }
 
-const plan_light_block *plan_cache_fill(plan_cache *cache, const double basis[9], const plan_scene *scene) {
+plan_kept plan_cache_fill(plan_cache *cache, const double basis[9], const plan_scene *scene) {
   if (!cache || !scene->identity || cache->slots < scene->slot_count)
-    return NULL;
-  plan_light_block *blocks = cache->memory;
+    return (plan_kept){0};
+  const plan_kept kept = find_kept(cache);
   const bool same =
       cache->keeps && cache->identity == scene->identity && memcmp(cache->basis, basis, sizeof cache->basis) == 0;
   if (same) {
-    refresh(blocks, cache, scene);
+    refresh(&kept, cache, scene);
   } else {
     memcpy(cache->basis, basis, sizeof cache->basis);
-    fill(blocks, cache, scene);
+    fill(&kept, cache, scene);
   }
   cache->keeps = true;
   cache->identity = scene->identity;
   cache->revision = scene->revision;
-  return blocks;
+  return kept;
 }

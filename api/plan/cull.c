@@ -105,17 +105,18 @@ static void cull_block(plan_lists *lists, const plan_light_cull *cull, const pla
   }
 }
 
-void plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const plan_scene *scene) {
-  const plan_light_block *kept = plan_cache_fill(cull->cache, cull->basis, scene);
+plan_kept plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const plan_scene *scene) {
+  const plan_kept kept = plan_cache_fill(cull->cache, cull->basis, scene);
   lists->among = scene->caster_count;
   for (uint32_t i = 0; i < lists->count; ++i)
     cull->areas[i].first_caster = INFINITY;
   for (uint32_t first = 0; first < scene->slot_count; first += PLAN_BLOCK) {
     plan_light_block made;
-    if (!kept)
+    if (!kept.blocks)
       plan_light_block_make(&made, cull->basis, scene, first);
-    cull_block(lists, cull, scene, kept ? &kept[first / PLAN_BLOCK] : &made, first);
+    cull_block(lists, cull, scene, kept.blocks ? &kept.blocks[first / PLAN_BLOCK] : &made, first);
   }
+  return kept;
 }
 
 /* ---- a camera ---- */

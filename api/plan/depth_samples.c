@@ -81,10 +81,15 @@ static double farthest_depth(const plan_depth_samples *samples) {
   return farthest;
 }
 
+/* How much of clip space a unit at depth 1 spans along a row of the projection, which may turn the picture. */
+static double row_scale(const plan_camera *camera, int row) {
+  return hypot(camera->projection[row], camera->projection[4 + row]);
+}
+
 /* Whether two cameras see as wide, and to the same side, but for jitter and a slow zoom. */
 static bool same_image(const plan_camera *a, const plan_camera *b) {
   const int scales[] = {0, 1, 4, 5}, offsets[] = {8, 9, 12, 13};
-  const double scale = fabs(a->projection[0]) + fabs(a->projection[5]);
+  const double scale = row_scale(a, 0) + row_scale(a, 1);
   for (int i = 0; i < 4; ++i)
     if (fabs(a->projection[scales[i]] - b->projection[scales[i]]) > 0.05 * scale ||
         fabs(a->projection[offsets[i]] - b->projection[offsets[i]]) > 0.02)
@@ -93,15 +98,13 @@ static bool same_image(const plan_camera *a, const plan_camera *b) {
 }
 
 /*
- * A camera that has turned by more than the margin's share of its field of view, or moved by more than that of the way
- * to the farthest surface, sees what no tile has seen: a cut. So does one with another image, and one that had none
- * before.
+ * Whether two cameras look alike. One that has turned by more than the margin's share of its field of view, or moved by
+ * more than that of the way to the farthest surface, sees what no tile has seen. So does one with another image.
  */
-static bool usable(const plan_depth_samples *samples, const plan_camera *camera, double margin) {
-  if (!samples->columns || !samples->rows || !same_image(&samples->camera, camera))
+static bool alike(const plan_camera *then, const plan_camera *camera, double margin, double farthest) {
+  if (!same_image(then, camera))
     return false;
-  const plan_camera *then = &samples->camera;
-  const double tangent = fmin(1.0 / fabs(camera->projection[0]), 1.0 / fabs(camera->projection[5]));
+  const double tangent = 1.0 / fmax(row_scale(camera, 0), row_scale(camera, 1));
   const double most = margin * (camera->orthographic ? 1.0 : 2.0 * atan(tangent));
   double right = 0.0, moved = 0.0;
   for (int i = 0; i < 3; ++i) {
@@ -109,8 +112,21 @@ static bool usable(const plan_depth_samples *samples, const plan_camera *camera,
     const double step = camera->position[i] - then->position[i];
     moved += step * step;
   }
-  const double ahead = plan_dot(then->forward, camera->forward), farthest = farthest_depth(samples);
-  return farthest > 0.0 && ahead >= cos(most) && right >= cos(most) && sqrt(moved) <= margin * farthest;
+  const double ahead = plan_dot(then->forward, camera->forward);
+  return ahead >= cos(most) && right >= cos(most) && sqrt(moved) <= margin * farthest;
+}
+
+/* Else there was a cut since, or nothing was seen before. */
+static bool usable(const plan_depth_samples *samples, const plan_camera *camera, double margin) {
+  const double farthest = samples->columns && samples->rows ? farthest_depth(samples) : 0.0;
+  return farthest > 0.0 && alike(&samples->camera, camera, margin, farthest);
+}
+
+bool plan_depth_samples_count(const plan_depth_samples *samples, double margin) {
+  if (!samples->columns || !samples->rows)
+    return false;
+  const double farthest = farthest_depth(samples);
+  return alike(&samples->camera, &samples->maps_camera, margin, farthest > 0.0 ? farthest : PLAN_LARGEST);
 }
 
 bool plan_depth_samples_usable(const plan_frame_info *info, const plan_camera *camera) {

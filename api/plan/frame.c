@@ -75,7 +75,7 @@ static void cull(plan_frame *frame, fitted *fitted, const plan_frame_info *info,
     fitted->areas[i] = plan_fit_area(&fitted->fits[i], config, &box);
   const plan_light_cull to = {
       .basis = frame->basis, .hull = &hull, .layers = info->light_layers, .areas = fitted->areas, .cache = info->cache};
-  plan_cull_light(lists, &to, info->scene);
+  frame->to_light = (const double(*)[12])plan_cull_light(lists, &to, info->scene).transforms;
 }
 
 csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *memory, const char **error) {

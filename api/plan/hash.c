@@ -35,14 +35,15 @@ static uint64_t add_list(uint64_t hash, const plan_list *list) {
   return add(hash, list->instances, list->instance_count * sizeof *list->instances);
 }
 
+/* The instances are looked at again, for the cache may have gone on to another plan. */
 static uint64_t add_matrices(uint64_t hash, const plan_frame *frame, uint32_t cascade, const plan_scene *scene) {
   const plan_list *list = &frame->cascades[cascade].list;
-  double rows[3][4];
-  plan_cascade_to_clip(rows, frame, cascade);
   for (uint32_t i = 0; i < list->instance_count; ++i) {
     const plan_instance *instance = &scene->instances[list->instances[i]];
+    double to_light[12];
     float matrix[12];
-    plan_instance_to_clip(matrix, (const double(*)[4])rows, instance, &scene->meshes[instance->mesh]);
+    plan_light_transform(to_light, frame->basis, instance, &scene->meshes[instance->mesh]);
+    plan_light_to_clip(matrix, &frame->cascades[cascade], to_light);
     hash = add(hash, matrix, sizeof matrix);
   }
   return hash;

@@ -180,8 +180,14 @@ enum { PLAN_BLOCK = 64 };
 typedef struct plan_light_block {
   double low[3][PLAN_BLOCK], high[3][PLAN_BLOCK];
 } plan_light_block;
-/* Where the cache keeps the boxes, which it now has for this light; NULL: it cannot. */
-const plan_light_block *plan_cache_fill(plan_cache *cache, const double basis[9], const plan_scene *scene);
+/* What a cache keeps for a light. */
+typedef struct plan_kept {
+  plan_light_block *blocks; /* of casters; NULL: nothing is kept */
+  double (*transforms)[12]; /* of casters, by slot: stored positions to light space, three rows of four */
+} plan_kept;
+
+/* What the cache has for this light, after bringing it up to date. */
+plan_kept plan_cache_fill(plan_cache *cache, const double basis[9], const plan_scene *scene);
 /* The boxes of the slots from `first` on. */
 void plan_light_block_make(plan_light_block *out, const double basis[9], const plan_scene *scene, uint32_t first);
 
@@ -213,18 +219,18 @@ typedef struct plan_light_cull {
   plan_area *areas;
   plan_cache *cache; /* may be NULL */
 } plan_light_cull;
-/* Notes in list i what casts into area i, and how far towards the light those casters reach. */
-void plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const plan_scene *scene);
+/* Notes in list i what casts into area i, and how far towards the light those casters reach. Returns what is kept. */
+plan_kept plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const plan_scene *scene);
 /* Notes in the one list what may be in the camera's clip volume. */
 void plan_cull_view(plan_lists *lists, const plan_camera *camera, const plan_scene *scene);
 
 /* ---- packing ---- */
-/* World to clip of a cascade: three rows of four. */
-void plan_cascade_to_clip(double rows[3][4], const plan_frame *frame, uint32_t cascade);
 /* The transform of positions as they are stored. */
 void plan_stored_transform(double out[12], const plan_instance *instance, const plan_bounds *bounds);
-/* Object to clip of one instance: three rows of four. */
-void plan_instance_to_clip(float out[12], const double rows[3][4], const plan_instance *instance,
-                           const plan_bounds *bounds);
+/* The same, to light space. */
+void plan_light_transform(double out[12], const double basis[9], const plan_instance *instance,
+                          const plan_bounds *bounds);
+/* Stored positions to a cascade's clip space, from their transform to light space: three rows of four. */
+void plan_light_to_clip(float out[12], const plan_cascade *cascade, const double to_light[12]);
 
 #endif

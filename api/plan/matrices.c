@@ -1,7 +1,8 @@
 /* matrices.c: what instances are drawn with. Everything is computed in doubles and rounded once. */
 #include "plan/internal.h"
 
-void plan_cascade_to_clip(double rows[3][4], const plan_frame *frame, uint32_t cascade) {
+/* World to clip: three rows of four. */
+static void world_to_clip_rows(double rows[3][4], const plan_frame *frame, uint32_t cascade) {
   const double *to_clip = frame->cascades[cascade].to_clip;
   for (int row = 0; row < 3; ++row) {
     for (int k = 0; k < 3; ++k)
@@ -13,7 +14,7 @@ void plan_cascade_to_clip(double rows[3][4], const plan_frame *frame, uint32_t c
 
 void plan_cascade_volume(const plan_frame *frame, uint32_t cascade, double world_to_clip[16], double planes[5][4]) {
   double rows[3][4];
-  plan_cascade_to_clip(rows, frame, cascade);
+  world_to_clip_rows(rows, frame, cascade);
   for (int column = 0; column < 4; ++column) {
     for (int row = 0; row < 3; ++row)
       world_to_clip[column * 4 + row] = rows[row][column];
@@ -37,26 +38,35 @@ void plan_stored_transform(double out[12], const plan_instance *instance, const 
   }
 }
 
-/* Rows of four are computed at a time, which compilers turn into vectors. */
-void plan_instance_to_clip(float out[12], const double rows[3][4], const plan_instance *instance,
-                           const plan_bounds *bounds) {
+void plan_light_transform(double out[12], const double basis[9], const plan_instance *instance,
+                          const plan_bounds *bounds) {
   double t[12];
   plan_stored_transform(t, instance, bounds);
   for (int row = 0; row < 3; ++row) {
-    const double constant[4] = {0.0, 0.0, 0.0, rows[row][3]};
+    const double *axis = &basis[row * 3];
     for (int column = 0; column < 4; ++column)
-      out[row * 4 + column] = plan_float(rows[row][0] * t[column] + rows[row][1] * t[4 + column] +
-                                         rows[row][2] * t[8 + column] + constant[column]);
+      out[row * 4 + column] = axis[0] * t[column] + axis[1] * t[4 + column] + axis[2] * t[8 + column];
+  }
+}
+
+/* A cascade scales and moves light space along its own axes. */
+void plan_light_to_clip(float out[12], const plan_cascade *cascade, const double to_light[12]) {
+  for (int row = 0; row < 3; ++row) {
+    const double scale = cascade->to_clip[row * 5], constant[4] = {0.0, 0.0, 0.0, cascade->to_clip[row * 4 + 3]};
+    for (int column = 0; column < 4; ++column)
+      out[row * 4 + column] = plan_float(scale * to_light[row * 4 + column] + constant[column]);
   }
 }
 
 void plan_write_cascade_matrices(float *out, const plan_frame *frame, uint32_t cascade, const plan_scene *scene) {
-  const plan_list *list = &frame->cascades[cascade].list;
-  double rows[3][4];
-  plan_cascade_to_clip(rows, frame, cascade);
-  for (uint32_t i = 0; i < list->instance_count; ++i) {
-    const plan_instance *instance = &scene->instances[list->instances[i]];
-    plan_instance_to_clip(&out[(size_t)i * 12], (const double(*)[4])rows, instance, &scene->meshes[instance->mesh]);
+  const plan_cascade *of = &frame->cascades[cascade];
+  for (uint32_t i = 0; i < of->list.instance_count; ++i) {
+    const uint32_t slot = of->list.instances[i];
+    const plan_instance *instance = &scene->instances[slot];
+    double made[12];
+    if (!frame->to_light)
+      plan_light_transform(made, frame->basis, instance, &scene->meshes[instance->mesh]);
+    plan_light_to_clip(&out[(size_t)i * 12], of, frame->to_light ? frame->to_light[slot] : made);
   }
 }
 

@@ -163,10 +163,14 @@ typedef struct plan_list {
 /* What a view saw: the least and the greatest depth in each square tile of its depth buffer, rows from the top. */
 typedef struct plan_depth_samples {
   plan_camera camera;
+  plan_camera maps_camera; /* of the maps that the view was resolved with */
   uint32_t width, height, tile_px;
   uint32_t columns, rows;   /* 0: nothing is known */
   const float (*depths)[2]; /* as in the buffer; the first is above the second where there was no surface */
 } plan_depth_samples;
+
+/* Whether a view looked where its maps did, so that they are fitted to what it saw. A reflection does not. */
+bool plan_depth_samples_count(const plan_depth_samples *samples, double margin);
 
 /* A size, as steps of a logarithm. */
 typedef struct plan_steps {
@@ -207,11 +211,12 @@ typedef struct plan_frame {
   plan_cascade cascades[CSM_MAX_CASCADES];
   const uint8_t *drawn; /* by slot: bit i is set if cascade i draws it; NULL if there are no slots */
   uint32_t slot_count;
-  plan_history history; /* for the next frame */
+  const double (*to_light)[12]; /* by slot: what the cache keeps, until it is used again; NULL: nothing */
+  plan_history history;         /* for the next frame */
 } plan_frame;
 
 /*
- * Keeps the instances' boxes in light space from plan to plan, so that only those of changed instances are computed.
+ * Keeps casters' boxes and transforms in light space from plan to plan. Only those of changed instances are computed.
  * The plan is the same with it and without. Zero is an empty one. The owner sets memory and slots, and gives it a new
  * memory only together with keeps = false.
  */
@@ -252,7 +257,8 @@ csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *m
 /* What a camera sees of the receivers, for a depth pre-pass. */
 void plan_view_make(plan_list *out, const plan_camera *camera, const plan_scene *scene, void *memory);
 
-/* Object to clip of every instance in the list: three float4 rows each (12 floats); w is 1. */
+/* Object to clip of every instance in the list: three float4 rows each (12 floats); w is 1. Precondition: the cache that
+   the frame was planned with has not been used since. */
 void plan_write_cascade_matrices(float *out, const plan_frame *frame, uint32_t cascade, const plan_scene *scene);
 /* Object to clip: four float4 rows each (16 floats). */
 void plan_write_view_matrices(float *out, const plan_list *list, const plan_camera *camera, const plan_scene *scene);

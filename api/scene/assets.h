@@ -14,6 +14,8 @@ typedef struct mesh_table {
   void **copies;
   plan_bounds *bounds; /* as the plan wants them */
   uint32_t *users;     /* instances of scenes */
+  uint64_t revision;   /* counts the meshes that changed or went */
+  uint64_t *revisions; /* after the last time that this one did */
   plan_bounds *moved;  /* those that they have on the device to move to; NULL between moves */
 } mesh_table;
 

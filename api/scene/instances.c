@@ -23,6 +23,8 @@ void instances_end(instances *store, const instances_meshes *meshes) {
       --meshes->users[store->slots[slot].mesh];
   if (store->block)
     store->memory.release(store->memory.user, store->block);
+  if (store->firsts)
+    store->memory.release(store->memory.user, store->firsts);
   *store = (instances){.memory = store->memory, .ids.key = store->ids.key};
 }
 
@@ -48,7 +50,7 @@ static csm_result reserve(instances *store, uint32_t wanted, instances_error *er
   if (capacity == store->ids.capacity)
     return CSM_SUCCESS;
   const size_t each = sizeof(plan_instance) + sizeof(plan_box) + sizeof(handle_place) + sizeof(uint64_t) +
-                      2 * sizeof(uint32_t); /* a capacity of 64 or more leaves no gaps */
+                      4 * sizeof(uint32_t); /* a capacity of 64 or more leaves no gaps */
   char *at = store->memory.allocate(store->memory.user, capacity * each, alignment);
   if (!at)
     return fail(error, CSM_ERROR_OUT_OF_MEMORY, 0, "there is no memory for more instances");
@@ -63,9 +65,51 @@ static csm_result reserve(instances *store, uint32_t wanted, instances_error *er
   store->stamps = carve(&at, capacity, sizeof *store->stamps, store->stamps, count);
   store->journal = carve(&at, capacity, sizeof *store->journal, NULL, 0);
   store->journal_from = store->revision;
+  store->next = carve(&at, capacity, sizeof *store->next, store->next, count);
+  store->previous = carve(&at, capacity, sizeof *store->previous, store->previous, count);
   if (old)
     store->memory.release(store->memory.user, old);
   return CSM_SUCCESS;
+}
+
+/* Makes room for the chains of all meshes. */
+static csm_result reserve_chains(instances *store, const instances_meshes *meshes, instances_error *error) {
+  const uint32_t capacity = meshes->handles->capacity;
+  if (capacity <= store->meshes)
+    return CSM_SUCCESS;
+  const size_t size = (capacity * sizeof *store->firsts + alignment - 1) / alignment * alignment;
+  uint32_t *firsts = store->memory.allocate(store->memory.user, size, alignment);
+  if (!firsts)
+    return fail(error, CSM_ERROR_OUT_OF_MEMORY, 0, "there is no memory for more meshes");
+  memset(firsts, 0, size);
+  if (store->firsts) {
+    memcpy(firsts, store->firsts, store->meshes * sizeof *firsts);
+    store->memory.release(store->memory.user, store->firsts);
+  }
+  store->firsts = firsts;
+  store->meshes = capacity;
+  return CSM_SUCCESS;
+}
+
+/* ---- the chain of a mesh's instances ---- */
+
+static void chain(instances *store, uint32_t slot, uint32_t mesh) {
+  const uint32_t first = store->firsts[mesh];
+  store->previous[slot] = 0;
+  store->next[slot] = first;
+  if (first)
+    store->previous[first - 1] = slot + 1;
+  store->firsts[mesh] = slot + 1;
+}
+
+static void unchain(instances *store, uint32_t slot, uint32_t mesh) {
+  const uint32_t next = store->next[slot], previous = store->previous[slot];
+  if (next)
+    store->previous[next - 1] = previous;
+  if (previous)
+    store->next[previous - 1] = next;
+  else
+    store->firsts[mesh] = next;
 }
 
 /* ---- reading a batch ---- */
@@ -82,8 +126,8 @@ static uint64_t read_handle(const instances_column *column, uint32_t index) {
   return value;
 }
 
-/* Three rows of four; false: the last row is not 0 0 0 1. */
-static bool read_rows(double rows[12], const instances_transforms *from, uint32_t index) {
+/* Three rows of four. NOT_FINITE: any of a 4x4's sixteen; INVALID_MATRIX: its last row is not 0 0 0 1. */
+static csm_result read_rows(double rows[12], const instances_transforms *from, uint32_t index) {
   const double last_row = 1e-6; /* an engine that inverts matrices in floats leaves as much there */
   const char *at = (const char *)from->first + index * from->stride;
   if (from->floats) {
@@ -91,7 +135,7 @@ static bool read_rows(double rows[12], const instances_transforms *from, uint32_
     memcpy(given, at, sizeof given);
     for (int i = 0; i < 12; ++i)
       rows[i] = given[i] + (i % 4 == 3 ? from->origin[i / 4] : 0.0);
-    return true;
+    return CSM_SUCCESS;
   }
   double m[16];
   memcpy(m, at, sizeof m);
@@ -99,21 +143,23 @@ static bool read_rows(double rows[12], const instances_transforms *from, uint32_
     for (int column = 0; column < 4; ++column)
       rows[row * 4 + column] = m[column * 4 + row];
   const double last[4] = {m[3], m[7], m[11], m[15]};
-  bool affine = plan_finite(last, 4);
-  for (int column = 0; column < 4 && affine; ++column)
-    affine = fabs(last[column] - (column == 3)) <= last_row;
-  return affine || !plan_finite(m, 16); /* what is not finite is told by its own name */
+  if (!plan_finite(m, 16))
+    return CSM_ERROR_NOT_FINITE;
+  for (int column = 0; column < 4; ++column)
+    if (fabs(last[column] - (column == 3)) > last_row)
+      return CSM_ERROR_INVALID_MATRIX;
+  return CSM_SUCCESS;
 }
 
 static csm_result take_transform(plan_instance *instance, const instances_transforms *from, uint32_t index,
                                  instances_error *error) {
-  const bool affine = read_rows(instance->transform, from, index);
-  const csm_result result = affine ? plan_instance_check(instance) : CSM_ERROR_INVALID_MATRIX;
+  const csm_result read = read_rows(instance->transform, from, index);
+  const csm_result result = read ? read : plan_instance_check(instance);
   return !result ? CSM_SUCCESS
                  : fail(error, result, index,
                         result == CSM_ERROR_NOT_FINITE ? "the transform is not finite"
-                        : affine                       ? "the transform has numbers above 1e30"
-                                                       : "the transform is not affine");
+                        : read                         ? "the transform is not affine"
+                                                       : "the transform has numbers above 1e30");
 }
 
 /* Changes an instance as the batch says; it is spoilt after an error. */
@@ -172,6 +218,8 @@ csm_result instances_add(instances *store, const instances_meshes *meshes, const
     result = take(&made, meshes, batch, i, error);
   }
   if (!result)
+    result = reserve_chains(store, meshes, error);
+  if (!result)
     result = reserve(store, store->live + batch->count, error);
   if (result)
     return result;
@@ -183,6 +231,7 @@ csm_result instances_add(instances *store, const instances_meshes *meshes, const
     ids[i] = handles_take(&store->ids);
     put(store, meshes, slot, &made);
     note_change(store, slot);
+    chain(store, slot, made.mesh);
     ++meshes->users[made.mesh];
   }
   store->live += batch->count;
@@ -203,6 +252,9 @@ csm_result instances_change(instances *store, const instances_meshes *meshes, co
     if (result)
       return result;
   }
+  const csm_result result = batch->meshes.first ? reserve_chains(store, meshes, error) : CSM_SUCCESS;
+  if (result)
+    return result;
   store->changed = 0;
   for (uint32_t i = 0; i < batch->count; ++i) {
     const uint32_t slot = instances_find(store, batch->ids[i]);
@@ -211,8 +263,12 @@ csm_result instances_change(instances *store, const instances_meshes *meshes, co
     (void)take(&made, meshes, batch, i, error); /* as checked above */
     if (memcmp(old, &made, sizeof made) == 0)
       continue;
-    --meshes->users[old->mesh];
-    ++meshes->users[made.mesh];
+    if (old->mesh != made.mesh) {
+      unchain(store, slot, old->mesh);
+      chain(store, slot, made.mesh);
+      --meshes->users[old->mesh];
+      ++meshes->users[made.mesh];
+    }
     count_instance(store, old, UINT32_MAX);
     put(store, meshes, slot, &made);
     note_change(store, slot);
@@ -248,6 +304,7 @@ csm_result instances_remove(instances *store, const instances_meshes *meshes, co
   for (uint32_t i = 0; i < batch->count; ++i) {
     const uint32_t slot = instances_find(store, batch->ids[i]);
     --meshes->users[store->slots[slot].mesh];
+    unchain(store, slot, store->slots[slot].mesh);
     count_instance(store, &store->slots[slot], UINT32_MAX);
     store->slots[slot].flags = PLAN_FREE;
     handles_free(&store->ids, slot);
@@ -280,12 +337,9 @@ csm_result instances_replace(instances *store, const instances_meshes *meshes, c
 }
 
 void instances_mesh_changed(instances *store, const instances_meshes *meshes, uint32_t mesh) {
-  for (uint32_t slot = 0; slot < store->ids.count; ++slot) {
-    const plan_instance *instance = &store->slots[slot];
-    if (instance->flags & PLAN_FREE || instance->mesh != mesh)
-      continue;
-    plan_instance_box(&store->boxes[slot], instance, &meshes->bounds[mesh]);
-    note_change(store, slot);
+  for (uint32_t at = mesh < store->meshes ? store->firsts[mesh] : 0; at; at = store->next[at - 1]) {
+    plan_instance_box(&store->boxes[at - 1], &store->slots[at - 1], &meshes->bounds[mesh]);
+    note_change(store, at - 1);
   }
 }
 
@@ -300,8 +354,15 @@ uint32_t instances_find(const instances *store, uint64_t id) {
 }
 
 uint32_t instances_changed_since(const instances *store, uint64_t revision) {
-  const uint64_t changes = store->revision - revision;
-  return changes < store->ids.count ? (uint32_t)changes : store->ids.count;
+  uint32_t changed = 0;
+  if (revision < store->journal_from) { /* the journal does not reach back so far */
+    for (uint32_t slot = 0; slot < store->ids.count; ++slot)
+      changed += store->revisions[slot] > revision;
+    return changed;
+  }
+  for (uint64_t i = revision; i < store->revision; ++i) /* each slot by its last change */
+    changed += store->revisions[store->journal[i & (store->ids.capacity - 1)]] == i + 1;
+  return changed;
 }
 
 plan_scene instances_scene(const instances *store, const instances_meshes *meshes) {

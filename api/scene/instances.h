@@ -62,6 +62,10 @@ typedef struct instances {
   uint64_t *revisions; /* by slot: after its last change */
   uint32_t *stamps;    /* by slot: the last removal that named it */
   uint32_t *journal;   /* the slots of the last changes */
+  uint32_t *next,
+      *previous;    /* by slot: others of the same mesh, counted from 1; 0 is an end. None in a refilled store */
+  uint32_t *firsts; /* by mesh, of `meshes` of them: its first slot, likewise */
+  uint32_t meshes;
   uint64_t revision, journal_from;
   uint32_t live, casters, receivers;
   uint32_t changed; /* by the last batch */
@@ -106,7 +110,7 @@ uint64_t instances_id(const instances *store, uint32_t slot);
 /* The slot of an id, or UINT32_MAX. */
 uint32_t instances_find(const instances *store, uint64_t id);
 
-/* How many slots, at most, have changed since a revision. */
+/* How many slots have changed since a revision, each counted once. */
 uint32_t instances_changed_since(const instances *store, uint64_t revision);
 
 /* What the plan reads; valid until the store or the meshes change. */

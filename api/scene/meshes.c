@@ -20,18 +20,21 @@ static csm_result grow(assets *assets) {
   void **copies = host_grown_copy(host, meshes->copies, count, capacity, sizeof *copies);
   plan_bounds *bounds = host_grown_copy(host, meshes->bounds, count, capacity, sizeof *bounds);
   uint32_t *users = host_grown_copy(host, meshes->users, count, capacity, sizeof *users);
-  const bool made = places && infos && copies && bounds && users;
+  uint64_t *revisions = host_grown_copy(host, meshes->revisions, count, capacity, sizeof *revisions);
+  const bool made = places && infos && copies && bounds && users && revisions;
   host_release(host, made ? handles_grow(&meshes->handles, places, capacity) : places);
   host_release(host, made ? meshes->infos : infos);
   host_release(host, made ? meshes->copies : (void *)copies);
   host_release(host, made ? meshes->bounds : bounds);
   host_release(host, made ? meshes->users : users);
+  host_release(host, made ? meshes->revisions : revisions);
   if (!made)
     return CSM_ERROR_OUT_OF_MEMORY;
   meshes->infos = infos;
   meshes->copies = copies;
   meshes->bounds = bounds;
   meshes->users = users;
+  meshes->revisions = revisions;
   return CSM_SUCCESS;
 }
 
@@ -115,6 +118,7 @@ static void use_alpha_mask(assets *assets, const csm_mesh_info *info, int change
 /* A mesh has moved within its instances. */
 static void change_bounds(assets *assets, uint32_t index, const plan_bounds *bounds) {
   assets->meshes.bounds[index] = *bounds;
+  assets->meshes.revisions[index] = ++assets->meshes.revision;
   const instances_meshes meshes = assets_meshes(assets);
   for (csm_scene *scene = assets->scenes; scene; scene = scene->next)
     instances_mesh_changed(&scene->store, &meshes, index);
@@ -187,6 +191,7 @@ csm_result mesh_destroy(assets *assets, csm_mesh mesh) {
   use_alpha_mask(assets, &meshes->infos[index], -1);
   host_release(assets->host, meshes->copies[index]);
   meshes->copies[index] = NULL;
+  meshes->revisions[index] = ++meshes->revision;
   handles_free(&meshes->handles, index);
   return CSM_SUCCESS;
 }
@@ -269,4 +274,5 @@ void meshes_end(assets *assets) {
   host_release(host, (void *)meshes->copies);
   host_release(host, meshes->bounds);
   host_release(host, meshes->users);
+  host_release(host, meshes->revisions);
 }

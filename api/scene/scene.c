@@ -54,6 +54,8 @@ static csm_result fail_batch(host *host, csm_result result, const char *what, co
   return result ? host_fail(host, result, "%s %u: %s", what, error->index, error->text) : CSM_SUCCESS;
 }
 
+enum { least_instance = offsetof(csm_instance, layers) }; /* the first header's struct */
+
 /* Checks the structs of a list, which all have the first one's size. */
 static csm_result check_structs(host *host, const csm_instance *list, uint32_t count) {
   const char *next = (const char *)list;
@@ -63,7 +65,7 @@ static csm_result check_structs(host *host, const csm_instance *list, uint32_t c
     uint32_t size;
     memcpy(&size, next, sizeof size);
     csm_result result = struct_read(&own, sizeof own, next);
-    if (!result && i && size != stride)
+    if (!result && (size < least_instance || (i && size != stride)))
       result = CSM_ERROR_STRUCT_SIZE;
     if (result)
       return host_fail(host, result, "instance %u: a struct_size that is no csm_instance's, or not the first's", i);

@@ -5,7 +5,7 @@ static void input_free(device *device, retired *self) {
   host_release(device->host, self);
 }
 
-csm_result inputs_find(inputs *inputs, device *device, const gpu_bindings_info *reads, gpu_bindings **out) {
+csm_result inputs_find(inputs *inputs, device *device, const gpu_bindings_info *reads, input **out) {
   input *found = inputs->first;
   while (found && found->serial > device->done)
     found = found->next;
@@ -24,9 +24,13 @@ csm_result inputs_find(inputs *inputs, device *device, const gpu_bindings_info *
     found->next = inputs->first;
     inputs->first = found;
   }
-  found->serial = device->prepared.serial;
-  *out = found->bindings;
+  *out = found;
   return CSM_SUCCESS;
+}
+
+gpu_bindings *inputs_use(input *input, const device *device) {
+  input->serial = device->serial;
+  return input->bindings;
 }
 
 void inputs_drop(inputs *inputs, device *device) {

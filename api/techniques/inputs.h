@@ -16,8 +16,10 @@ typedef struct inputs {
   input *first;
 } inputs;
 
-/* Bindings that no recording in flight reads through, for the one that was prepared; made if there are none. */
-csm_result inputs_find(inputs *inputs, device *device, const gpu_bindings_info *reads, gpu_bindings **out);
+/* Bindings that no recording in flight reads through; made if there are none. */
+csm_result inputs_find(inputs *inputs, device *device, const gpu_bindings_info *reads, input **out);
+/* For the recording that has begun; the input is taken until it is done. */
+gpu_bindings *inputs_use(input *input, const device *device);
 /* Retires all. */
 void inputs_drop(inputs *inputs, device *device);
 

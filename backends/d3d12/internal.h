@@ -14,7 +14,7 @@
 
 #define D3D12_MAX_SLOTS 8
 #define D3D12_MAX_BARRIERS 16
-#define D3D12_BINDING_BLOCKS 1024    /* bindings with descriptors that can exist at once */
+#define D3D12_BINDING_BLOCKS 16384   /* bindings with descriptors that can exist at once */
 #define D3D12_FILL_SIZE (128u << 10) /* of each part of gpu_device.fill: stays in a core's cache */
 
 /* Every state in which shaders of any stage read. */

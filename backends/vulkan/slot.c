@@ -132,11 +132,12 @@ csm_result vulkan_timestamps(gpu_device *device, uint32_t slot_index, uint32_t f
   csm_result result = vulkan_wait(device, slot_index);
   if (result != CSM_SUCCESS || count == 0)
     return result;
-  result = vulkan_check(device,
-                        device->vk.GetQueryPoolResults(device->handle, slot->queries, first, count,
-                                                       count * sizeof *nanoseconds, nanoseconds, sizeof *nanoseconds,
-                                                       VK_QUERY_RESULT_64_BIT),
-                        "vkGetQueryPoolResults");
+  const VkResult got =
+      device->vk.GetQueryPoolResults(device->handle, slot->queries, first, count, count * sizeof *nanoseconds,
+                                     nanoseconds, sizeof *nanoseconds, VK_QUERY_RESULT_64_BIT);
+  if (got == VK_NOT_READY) /* an engine threw the frame away */
+    return CSM_ERROR_UNSUPPORTED;
+  result = vulkan_check(device, got, "vkGetQueryPoolResults");
   for (uint32_t i = 0; result == CSM_SUCCESS && i < count; i++)
     nanoseconds[i] = (uint64_t)((double)(nanoseconds[i] & device->timestamp_mask) * device->timestamp_period_ns);
   return result;

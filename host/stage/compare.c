@@ -28,7 +28,7 @@ depth_difference compare_depths(const float *a, const float *b, size_t count) {
 }
 
 static bool blocks_equal(const void *a, uint32_t size_a, const void *b, uint32_t size_b) {
-  return size_a == size_b && memcmp(a, b, size_a) == 0;
+  return size_a == size_b && (size_a == 0 || memcmp(a, b, size_a) == 0);
 }
 
 static bool bindings_equal(const csm_binding *a, const csm_binding *b) {

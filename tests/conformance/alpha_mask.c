@@ -250,11 +250,27 @@ static void a_switch_keeps_the_holes(void **state) {
   support_close(f.context, &f.record);
 }
 
+/* Each alpha-tested mesh has bindings of its own: thousands of them can be there, and can come again. */
+static void many_meshes_may_be_cut_out(void **state) {
+  (void)state;
+  enum { MESHES = 3000 };
+  static csm_mesh meshes[MESHES];
+  fixture f;
+  open_fixture(&f, 0, 0, 0.5f);
+  const csm_mesh_info leaf = leaf_info(&f, 0.5f);
+  for (int round = 0; round < 2; ++round) {
+    for (int i = 0; i < MESHES; ++i)
+      assert_int_equal(csm_mesh_create(f.context, &leaf, &meshes[i]), CSM_SUCCESS);
+    for (int i = 0; i < MESHES; ++i)
+      assert_int_equal(csm_mesh_destroy(f.context, meshes[i]), CSM_SUCCESS);
+  }
+  support_close(f.context, &f.record);
+}
+
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(casters_are_cut_out),
-      cmocka_unit_test(the_camera_sees_through),
-      cmocka_unit_test(misuse_is_named),
+      cmocka_unit_test(casters_are_cut_out),        cmocka_unit_test(the_camera_sees_through),
+      cmocka_unit_test(many_meshes_may_be_cut_out), cmocka_unit_test(misuse_is_named),
       cmocka_unit_test(a_switch_keeps_the_holes),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);

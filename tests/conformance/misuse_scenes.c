@@ -96,6 +96,51 @@ static void a_wrong_instance_spoils_the_batch(void **state) {
   stay_close(&s);
 }
 
+/* What is not finite is told by that name in each of the sixteen places, in a scene and in a frame's list. */
+static void every_number_must_be_finite(void **state) {
+  (void)state;
+  static const double wrong[] = {NAN, INFINITY, -INFINITY};
+  stay s;
+  stay_open(&s);
+  for (uint32_t place = 0; place < 16; ++place)
+    for (size_t i = 0; i < COUNT(wrong); ++i) {
+      csm_instance instances[INSTANCES];
+      memcpy(instances, s.f.scene.instances, sizeof instances);
+      instances[WRONG].transform[place] = wrong[i];
+      expect(&s.f, change_or_add(&s.f, &instances[WRONG]), CSM_ERROR_NOT_FINITE, "a scene");
+      shot shot = s.f.scene.shot;
+      shot.frame.instances = instances;
+      expect(&s.f, csm_render_cascades(s.f.cascades, shot_frame(&shot)), CSM_ERROR_NOT_FINITE, "a list");
+    }
+  stay_close(&s);
+}
+
+/* Structs of any size at the end of their memory: those that end before their transform does are refused, unread. */
+static void a_short_instance_is_not_read_past_its_end(void **state) {
+  (void)state;
+  static const uint32_t sizes[] = {4, 16, 136, 144, sizeof(csm_instance)};
+  stay s;
+  stay_open(&s);
+  for (size_t i = 0; i < COUNT(sizes); ++i) {
+    csm_instance whole = s.f.scene.instances[WRONG];
+    whole.struct_size = sizes[i];
+    csm_instance *cut = malloc(sizes[i]);
+    assert_non_null(cut);
+    memcpy(cut, &whole, sizes[i]);
+    const csm_result expected = sizes[i] < offsetof(csm_instance, layers) ? CSM_ERROR_STRUCT_SIZE : CSM_SUCCESS;
+    const csm_scene_batch batch = {.struct_size = sizeof batch, .count = 1, .ids = &s.ids[WRONG], .instances = cut};
+    expect(&s.f, csm_scene_change(s.scene, &batch), expected, "a scene");
+    if (expected) {
+      shot shot = s.f.scene.shot;
+      shot.frame.instances = cut;
+      shot.frame.instance_count = 1;
+      expect(&s.f, csm_render_cascades(s.f.cascades, shot_frame(&shot)), expected, "a list");
+    }
+    free(cut);
+  }
+  stay_close(&s);
+}
+
 /* ---- a batch that is wrong ---- */
 
 static csm_result add_batch(fixture *f, const void *batch) {
@@ -270,6 +315,8 @@ static void a_scene_or_a_list(void **state) {
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_wrong_instance_spoils_the_batch),
+      cmocka_unit_test(every_number_must_be_finite),
+      cmocka_unit_test(a_short_instance_is_not_read_past_its_end),
       cmocka_unit_test(batches_are_checked),
       cmocka_unit_test(ids_are_checked),
       cmocka_unit_test(contexts_do_not_share_handles),

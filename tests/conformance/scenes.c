@@ -523,6 +523,13 @@ static void changes_are_counted_and_cost_no_memory(void **state) {
     assert_int_equal(stats_of(f.of_scene).instances_changed, changed);
     assert_true(i < 4 || f.record.allocations == allocations);
   }
+  for (int i = 0; i < 200; ++i) { /* each counts once, however often it moved, and beyond the journal's end */
+    move_some(&f);
+    if (i != 3 && i != 199)
+      continue;
+    render(&f, f.of_scene);
+    assert_int_equal(stats_of(f.of_scene).instances_changed, 2);
+  }
   remove_at(&f, 2);
   render(&f, f.of_scene);
   assert_int_equal(stats_of(f.of_scene).instances, TELLING_INSTANCES - 1);

@@ -201,6 +201,31 @@ static void a_scene_takes_an_update_over(void **state) {
   support_close(f.context, &f.record);
 }
 
+static uint64_t plan_hash(const fixture *f) {
+  csm_stats stats = {.struct_size = sizeof stats};
+  assert_int_equal(csm_get_stats(f->cascades, &stats), CSM_SUCCESS);
+  return stats.plan_hash;
+}
+
+/* A plan of a list has no hash once a mesh that it looks into has moved or is gone. */
+static void a_plan_of_a_list_knows_its_meshes(void **state) {
+  (void)state;
+  fixture f;
+  setup(&f, 0);
+  outcome drawn = draw(&f, f.cascades, f.mesh, 0);
+  outcome_free(&drawn);
+  assert_true(plan_hash(&f) != 0);
+  cloth_at(&f.cloth, 0.7, 0);
+  update_cloth(f.context, f.mesh, &f.cloth);
+  assert_true(plan_hash(&f) == 0);
+  drawn = draw(&f, f.cascades, f.mesh, 0);
+  outcome_free(&drawn);
+  assert_true(plan_hash(&f) != 0);
+  assert_int_equal(csm_mesh_destroy(f.context, f.mesh), CSM_SUCCESS);
+  assert_true(plan_hash(&f) == 0);
+  support_close(f.context, &f.record);
+}
+
 /* The copy that is kept for a switch is the updated one. */
 static void a_switch_takes_an_update_along(void **state) {
   (void)state;
@@ -251,9 +276,13 @@ static void an_update_may_fail(void **state) {
 
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(an_update_is_as_a_new_mesh),          cmocka_unit_test(an_update_may_go_far),
-      cmocka_unit_test(frames_in_flight_keep_what_they_had), cmocka_unit_test(a_scene_takes_an_update_over),
-      cmocka_unit_test(a_switch_takes_an_update_along),      cmocka_unit_test(an_update_may_fail),
+      cmocka_unit_test(an_update_is_as_a_new_mesh),
+      cmocka_unit_test(an_update_may_go_far),
+      cmocka_unit_test(frames_in_flight_keep_what_they_had),
+      cmocka_unit_test(a_scene_takes_an_update_over),
+      cmocka_unit_test(a_plan_of_a_list_knows_its_meshes),
+      cmocka_unit_test(a_switch_takes_an_update_along),
+      cmocka_unit_test(an_update_may_fail),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
 }

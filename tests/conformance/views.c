@@ -235,7 +235,8 @@ static double settle(fixture *f, csm_cascades *cascades, eye *eyes, uint32_t mas
   return binding.cascades[2].far_depth;
 }
 
-/* Cascades are fitted to what all their views see: a far look by one eye is not forgotten for the other's near one. */
+/* Cascades are fitted to what all views see that look where they do: a far look by one eye is not forgotten for the
+   other's near one. A mirror neither fits them nor keeps them from being fitted. */
 static void cascades_fit_what_all_views_saw(void **state) {
   (void)state;
   if (!strcmp(support_backend(), "null")) /* sees nothing */
@@ -249,16 +250,19 @@ static void cascades_fit_what_all_views_saw(void **state) {
   config.shadow_distance = 1000;
   config.depth_samples = CSM_DEPTH_SAMPLES_SPLITS;
   support_look_at(eyes[0].shot.camera.view, (const double[]){0, 3, 2}, (const double[]){0, 0, -0.5}); /* down */
-  double ends[3];
-  const uint32_t masks[3] = {1, 4, 5};
-  for (int i = 0; i < 3; ++i) {
+  eyes[1].shot.camera = eyes[0].shot.camera;
+  support_look_at(eyes[1].shot.camera.view, (const double[]){0, 3.3, 2}, (const double[]){0, 0.55, -0.5}); /* farther */
+  double ends[5];
+  const uint32_t masks[5] = {1, 4, 5, 3, 0};
+  for (int i = 0; i < 5; ++i) {
     assert_int_equal(csm_cascades_create(f.context, &config, &cascades), CSM_SUCCESS);
     ends[i] = settle(&f, cascades, eyes, masks[i], 6);
     assert_int_equal(csm_cascades_destroy(cascades), CSM_SUCCESS);
   }
   assert_true(ends[0] < 20);
-  assert_true(ends[1] > ends[0] + 1);
-  assert_true(ends[2] >= ends[1] * 0.99);
+  assert_true(ends[1] == ends[4] && ends[4] > 100);
+  assert_true(ends[2] == ends[0]);
+  assert_true(ends[3] > ends[0] && ends[3] < ends[4] / 2);
   teardown(&f);
 }
 
@@ -285,10 +289,59 @@ static void a_failed_resolve_keeps_depth_samples(void **state) {
     f.record.allocations_left = failures++;
     result = shot_resolve(&eyes[0].shot, eyes[0].view, cascades, 48, 48);
     f.record.allocations_left = -1;
-    if (result)
-      assert_true(settle(&f, cascades, eyes, 0, 1) == settled);
+    if (result) {
+      assert_true(settle(&f, cascades, eyes, 0, 0) == settled);
+      assert_true(settle(&f, cascades, eyes, 1, 1) == settled);
+    }
   } while (result);
   assert_true(failures > 3);
+  teardown(&f);
+}
+
+/* A view that shows no picture of the cascades any more does not keep what it saw in their way. */
+static void a_view_that_rests_is_left_out(void **state) {
+  (void)state;
+  if (!strcmp(support_backend(), "null"))
+    return;
+  fixture f;
+  eye eyes[EYES];
+  setup(&f);
+  make_eyes(&f, eyes);
+  f.config.shadow_distance = 1000;
+  f.config.depth_samples = CSM_DEPTH_SAMPLES_SPLITS;
+  assert_int_equal(csm_cascades_configure(f.cascades, &f.config), CSM_SUCCESS);
+  const double unfitted = settle(&f, f.cascades, eyes, 0, 0);
+  assert_true(settle(&f, f.cascades, eyes, 3, 6) < unfitted / 2);
+  support_look_at(eyes[0].shot.camera.view, (const double[]){0, 3, 2}, (const double[]){0, 0, -0.5}); /* a cut */
+  assert_true(settle(&f, f.cascades, eyes, 1, 3) == unfitted);
+  assert_true(settle(&f, f.cascades, eyes, 1, 30) < 20);
+  teardown(&f);
+}
+
+/* What was seen before depth samples were turned off is not used when they are on again, and its images go. */
+static void a_setting_that_ends_forgets_what_was_seen(void **state) {
+  (void)state;
+  if (!strcmp(support_backend(), "null"))
+    return;
+  fixture f;
+  eye eyes[EYES];
+  setup(&f);
+  make_eyes(&f, eyes);
+  csm_view_stats stats = {.struct_size = sizeof stats};
+  f.config.shadow_distance = 1000;
+  f.config.depth_samples = CSM_DEPTH_SAMPLES_SPLITS;
+  assert_int_equal(csm_cascades_configure(f.cascades, &f.config), CSM_SUCCESS);
+  const double unfitted = settle(&f, f.cascades, eyes, 0, 0);
+  assert_true(settle(&f, f.cascades, eyes, 1, 6) < unfitted / 2);
+  assert_int_equal(csm_get_view_stats(eyes[0].view, &stats), CSM_SUCCESS);
+  const uint64_t bytes = stats.bytes;
+  f.config.depth_samples = CSM_DEPTH_SAMPLES_OFF;
+  assert_int_equal(csm_cascades_configure(f.cascades, &f.config), CSM_SUCCESS);
+  assert_int_equal(csm_get_view_stats(eyes[0].view, &stats), CSM_SUCCESS);
+  assert_true(stats.bytes < bytes);
+  f.config.depth_samples = CSM_DEPTH_SAMPLES_SPLITS;
+  assert_int_equal(csm_cascades_configure(f.cascades, &f.config), CSM_SUCCESS);
+  assert_true(settle(&f, f.cascades, eyes, 1, 0) == unfitted);
   teardown(&f);
 }
 
@@ -314,9 +367,14 @@ static void a_switch_keeps_depth_samples(void **state) {
 
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(views_do_not_disturb_each_other), cmocka_unit_test(a_view_may_change_its_cascades),
-      cmocka_unit_test(views_may_go_at_any_time),        cmocka_unit_test(a_switch_takes_views_along),
-      cmocka_unit_test(cascades_fit_what_all_views_saw), cmocka_unit_test(a_failed_resolve_keeps_depth_samples),
+      cmocka_unit_test(views_do_not_disturb_each_other),
+      cmocka_unit_test(a_view_may_change_its_cascades),
+      cmocka_unit_test(views_may_go_at_any_time),
+      cmocka_unit_test(a_switch_takes_views_along),
+      cmocka_unit_test(cascades_fit_what_all_views_saw),
+      cmocka_unit_test(a_failed_resolve_keeps_depth_samples),
+      cmocka_unit_test(a_view_that_rests_is_left_out),
+      cmocka_unit_test(a_setting_that_ends_forgets_what_was_seen),
       cmocka_unit_test(a_switch_keeps_depth_samples),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);

@@ -336,6 +336,25 @@ static void timestamps_are_those_of_retired_frames(void **state) {
   rig_close(rig);
 }
 
+/* A frame that the engine throws away measured nothing, which is no error. */
+static void a_frame_that_never_ran_has_no_times(void **state) {
+  (void)state;
+  stage stage;
+  csm_stats stats = {.struct_size = sizeof stats};
+  rig *rig = rig_open(RIG_TYPICAL);
+  stage_open(&stage, rig);
+  rig_begin(rig);
+  shot shot = stage_shot(&stage, 0);
+  shot.frame.flags = CSM_FRAME_TIMESTAMPS;
+  stage_render(&stage, &shot);
+  rig_end(rig);
+  rig_drop(rig);
+  assert_int_equal(csm_retire(stage.context, rig_frame(rig)), CSM_SUCCESS);
+  assert_int_equal(csm_get_stats(stage.cascades, &stats), CSM_SUCCESS);
+  stage_close(&stage);
+  rig_close(rig);
+}
+
 /* ---- two threads ---- */
 
 typedef struct worker {
@@ -376,10 +395,15 @@ static void contexts_on_two_threads(void **state) {
 
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(frames_wait_on_a_typical_device), cmocka_unit_test(frames_wait_on_a_bare_device),
-      cmocka_unit_test(frames_wait_on_a_modern_device),  cmocka_unit_test(destruction_waits_for_the_frame),
-      cmocka_unit_test(uploads_wait_for_nobody),         cmocka_unit_test(cascades_share_a_context),
-      cmocka_unit_test(two_contexts_share_a_device),     cmocka_unit_test(timestamps_are_those_of_retired_frames),
+      cmocka_unit_test(frames_wait_on_a_typical_device),
+      cmocka_unit_test(frames_wait_on_a_bare_device),
+      cmocka_unit_test(frames_wait_on_a_modern_device),
+      cmocka_unit_test(destruction_waits_for_the_frame),
+      cmocka_unit_test(uploads_wait_for_nobody),
+      cmocka_unit_test(cascades_share_a_context),
+      cmocka_unit_test(two_contexts_share_a_device),
+      cmocka_unit_test(timestamps_are_those_of_retired_frames),
+      cmocka_unit_test(a_frame_that_never_ran_has_no_times),
       cmocka_unit_test(contexts_on_two_threads),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);

@@ -295,11 +295,67 @@ static void a_switch_takes_all_along(void **state) {
     rig_close(rigs[i]);
 }
 
+/* With every frame retired, the switch is the end of the old device: the engine may destroy it at once. */
+static void a_switch_lets_an_idle_device_go(void **state) {
+  (void)state;
+  stage stage;
+  rig *rigs[2] = {rig_open(RIG_TYPICAL), rig_open(RIG_TYPICAL)};
+  stage_open(&stage, rigs[0]);
+  csm_destroy(stage.context);
+  csm_create_info info = stage_create_info(rigs[0], &stage.record);
+  info.flags |= CSM_CREATE_KEEP_GEOMETRY;
+  assert_int_equal(csm_create(&info, &stage.context), CSM_SUCCESS);
+  assert_int_equal(csm_cascades_create(stage.context, &stage.config, &stage.cascades), CSM_SUCCESS);
+  stage.view = support_view(stage.context);
+  support_scene_make(&stage.scene, stage.context);
+  picture first = stage_draw_at(&stage, 0, size);
+  info = stage_create_info(rigs[1], &stage.record);
+  assert_int_equal(csm_switch_backend(stage.context, &info), CSM_SUCCESS);
+  rig_close(rigs[0]);
+  stage.rig = rigs[1];
+  picture second = stage_draw_at(&stage, 0, size);
+  picture_expect_equal(&first, &second);
+  picture_free(&first);
+  stage_close(&stage);
+  rig_close(rigs[1]);
+}
+
+/* ---- the ring ---- */
+
+/* Maps of an empty list ask for nothing of the ring, and begin their frame all the same. */
+static void frames_of_nothing_keep_their_memory(void **state) {
+  (void)state;
+  enum { FRAMES = 256 };
+  stage stage;
+  csm_stats stats = {.struct_size = sizeof stats};
+  uint64_t bytes = 0;
+  rig *rig = rig_open(RIG_TYPICAL);
+  stage_open(&stage, rig);
+  for (uint32_t i = 0; i < FRAMES; ++i) {
+    rig_begin(rig);
+    shot shot = stage_shot(&stage, 0);
+    shot.frame.instances = NULL;
+    shot.frame.instance_count = 0;
+    stage_render(&stage, &shot);
+    stage_resolve(&stage, &shot, (picture_size){8, 8});
+    stage_finish(&stage);
+    assert_int_equal(csm_get_stats(stage.cascades, &stats), CSM_SUCCESS);
+    bytes = i < RIG_FRAMES ? stats.frame_bytes : bytes;
+    assert_true(bytes > 0 && stats.frame_bytes == bytes);
+  }
+  stage_close(&stage);
+  rig_close(rig);
+}
+
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(scenes_change_while_frames_wait), cmocka_unit_test(meshes_move_while_frames_wait),
-      cmocka_unit_test(engines_buffers_may_change),      cmocka_unit_test(views_go_before_their_frame_runs),
+      cmocka_unit_test(scenes_change_while_frames_wait),
+      cmocka_unit_test(meshes_move_while_frames_wait),
+      cmocka_unit_test(engines_buffers_may_change),
+      cmocka_unit_test(views_go_before_their_frame_runs),
       cmocka_unit_test(a_switch_takes_all_along),
+      cmocka_unit_test(a_switch_lets_an_idle_device_go),
+      cmocka_unit_test(frames_of_nothing_keep_their_memory),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
 }

@@ -26,6 +26,29 @@ static void the_engines_memory_holds_everything(void **state) {
   rig_close(rig);
 }
 
+/* Staging of a mesh that no recording has seen goes with the mesh; its place waits for the next recording. */
+static void staging_goes_with_what_waits_in_it(void **state) {
+  (void)state;
+  stage stage;
+  hill hill;
+  rig *rig = rig_open(RIG_MODERN);
+  stage_open(&stage, rig);
+  hill_make(&hill);
+  picture drawn = stage_draw_at(&stage, 0, size);
+  picture_free(&drawn);
+  for (int i = 0; i < 40; ++i) { /* until what the first meshes lay in is given back */
+    drawn = stage_draw_at(&stage, 0, size);
+    picture_free(&drawn);
+  }
+  const uint32_t pieces = rig_lent_memory(rig)->pieces;
+  const csm_mesh mesh = hill_mesh(stage.context, &hill, 2);
+  assert_int_equal(rig_lent_memory(rig)->pieces, pieces + 1); /* the page has room */
+  assert_int_equal(csm_mesh_destroy(stage.context, mesh), CSM_SUCCESS);
+  assert_int_equal(rig_lent_memory(rig)->pieces, pieces);
+  stage_close(&stage);
+  rig_close(rig);
+}
+
 /* Each request is refused in turn, from the context's making to the first mask: told by name, and tried again. */
 static void a_refusal_is_out_of_device_memory(void **state) {
   (void)state;
@@ -79,6 +102,7 @@ static void a_refusal_is_out_of_device_memory(void **state) {
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_engines_memory_holds_everything),
+      cmocka_unit_test(staging_goes_with_what_waits_in_it),
       cmocka_unit_test(a_refusal_is_out_of_device_memory),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);

@@ -134,10 +134,8 @@ static void expect_tested_mesh(fixture *f, const rig_native *native, csm_alpha_m
                         .alpha_cutoff = alpha_mask ? 0.5f : 0};
   csm_mesh mesh = 1;
   rig_give_mesh(native, &info);
-  f->stage.record.said[0] = '\0';
   const csm_result result = csm_mesh_create(f->stage.context, &info, &mesh);
-  misuse_expect(row, result, f->stage.record.said);
-  assert_true(!result || csm_last_error(f->stage.context)[0]);
+  misuse_expect(row, result, csm_last_error(f->stage.context)); /* the backend's words, which name the field */
   assert_true((mesh != 0) == !result);
   if (!result)
     assert_int_equal(csm_mesh_destroy(f->stage.context, mesh), CSM_SUCCESS);
@@ -203,10 +201,8 @@ static void expect_images(fixture *f, const void *depth, const void *normals, co
                               .height = size.height,
                               .camera_depth = depth,
                               .normals = normals};
-  f->stage.record.said[0] = '\0';
   const csm_result result = csm_resolve_mask(f->stage.view, f->stage.cascades, &mask);
-  misuse_expect(row, result, f->stage.record.said);
-  assert_true(!result || csm_last_error(f->stage.context)[0]);
+  misuse_expect(row, result, csm_last_error(f->stage.context));
 }
 
 static void images_are_checked(void **state) {

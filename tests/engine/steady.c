@@ -90,6 +90,45 @@ static void a_steady_scene_allocates_nothing(void **state) {
   rig_close(rig);
 }
 
+/* A mesh too large for the smallest staging is updated in every frame. */
+static void a_steady_update_allocates_nothing(void **state) {
+  (void)state;
+  enum { VERTICES = 400000 };
+  static float positions[VERTICES][3];
+  static const uint16_t indices[3] = {0, 1, 2};
+  stage stage;
+  csm_mesh mesh;
+  rig *rig = rig_open(RIG_TYPICAL);
+  stage_open(&stage, rig);
+  positions[1][0] = positions[2][2] = 1;
+  const csm_mesh_info info = {.struct_size = sizeof info,
+                              .positions = positions,
+                              .vertex_count = VERTICES,
+                              .indices = indices,
+                              .index_count = 3,
+                              .index_size = 2};
+  const csm_mesh_update_info update = {.struct_size = sizeof update, .positions = positions};
+  assert_int_equal(csm_mesh_create(stage.context, &info, &mesh), CSM_SUCCESS);
+  for (int i = 0; i < WARM_UP + FRAMES; ++i) {
+    rig_begin(rig);
+    shot shot = stage_shot(&stage, 0);
+    positions[1][1] = 0.1f * (float)(i % 3);
+    const uint64_t before = stage.record.allocations;
+    heap_hook_start();
+    assert_int_equal(csm_mesh_update(stage.context, mesh, &update), CSM_SUCCESS);
+    stage_render(&stage, &shot);
+    stage_resolve(&stage, &shot, (picture_size){8, 8});
+    const uint32_t heap_calls = heap_hook_stop();
+    if (i >= WARM_UP) {
+      assert_int_equal(stage.record.allocations - before, 0);
+      assert_int_equal(heap_calls, 0);
+    }
+    stage_finish(&stage);
+  }
+  stage_close(&stage);
+  rig_close(rig);
+}
+
 /* The hook sees a library of csm's that allocates, for no allocator is given there. */
 static void the_hook_sees_allocations(void **state) {
   (void)state;
@@ -105,6 +144,7 @@ int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_steady_frame_allocates_nothing),
       cmocka_unit_test(a_steady_scene_allocates_nothing),
+      cmocka_unit_test(a_steady_update_allocates_nothing),
       cmocka_unit_test(the_hook_sees_allocations),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);

@@ -149,17 +149,19 @@ CSM_API void CSM_CALL csm_destroy(csm_context *context);
  * meshes (from the context's copy, see CSM_CREATE_KEEP_GEOMETRY, or from `supply`), all alpha masks and the maps of all
  * cascades, or everything stays as it was. Meshes, scenes, cascades, views, settings and snapping carry on; maps and
  * masks are drawn anew by the next csm_render_cascades and csm_resolve_mask. What lies on an own device is freed at
- * once, after waiting for it; what lies on an engine's goes when csm_retire reaches its last frame. Works on a context
- * whose device was lost. `info` is read as by csm_create, but for allocate, release, log, user, supply, budget and
- * CSM_CREATE_KEEP_GEOMETRY: those stay.
- * Errors: as csm_create, and INVALID_STATE (a mesh that has no copy and is not supplied). [render-thread]
+ * once, after waiting for it; what lies on an engine's goes when csm_retire reaches its last frame: at once, if it has
+ * done so. Works on a context whose device was lost. `info` is read as by csm_create, but for allocate, release, log,
+ * user, supply, budget and CSM_CREATE_KEEP_GEOMETRY: those stay.
+ * Errors: as csm_create, and INVALID_STATE (a mesh that has no copy and is not supplied), LIMIT_EXCEEDED (memory; what
+ * the new device cannot do), and, with a mesh that is supplied, those of csm_mesh_create. [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_switch_backend(csm_context *context, const csm_create_info *info);
 
 /*
  * Engine's device: the GPU is done with every frame up to `frame`, whether csm recorded anything for it or not. Frees
  * what waited for that. At most frame_slots frames may be recorded and not retired, and a frame that is retired is not
- * recorded again. Errors: NULL_POINTER, UNSUPPORTED (an own device, which knows by itself). [render-thread]
+ * recorded again. Errors: NULL_POINTER, UNSUPPORTED (an own device, which knows by itself), DEVICE,
+ * DEVICE_LOST (reading times; what waited is freed all the same). [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_retire(csm_context *context, uint64_t frame);
 
@@ -183,7 +185,7 @@ typedef struct csm_alpha_mask_info {
 /*
  * Copies an alpha mask into the context. It is uploaded by the next frame that is recorded.
  * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (size, wrap, row_stride, flags), LIMIT_EXCEEDED, OUT_OF_MEMORY,
- * OUT_OF_DEVICE_MEMORY, DEVICE_LOST. *alpha_mask is 0 after an error. [render-thread]
+ * OUT_OF_DEVICE_MEMORY, DEVICE_LOST, DEVICE. *alpha_mask is 0 after an error. [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_alpha_mask_create(csm_context *context, const csm_alpha_mask_info *info,
                                                   csm_alpha_mask *alpha_mask);
@@ -231,10 +233,11 @@ struct csm_mesh_info {
  * Copies a triangle mesh into the context, or takes in an engine's own buffers, which must stay until the mesh is
  * destroyed and its last frame retired. A copied one is uploaded by the next frame that is recorded. Copied positions
  * keep their precision however far from their own origin they lie; those in an engine's buffers are read as they are.
- * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (counts, stride, index_size, flags, bounds), INVALID_INDEX (an index
- * not below vertex_count), INVALID_HANDLE (alpha_mask), NOT_FINITE (a position, the bounds), UNSUPPORTED (buffers of
- * the other API), LIMIT_EXCEEDED (memory; more than 32 pairs of strides of vertices and uvs), OUT_OF_MEMORY,
- * OUT_OF_DEVICE_MEMORY, DEVICE_LOST. *mesh is 0 after an error. [render-thread]
+ * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (counts, stride, index_size, flags, bounds, uv_stride, alpha_cutoff;
+ * buffers of two APIs), INVALID_INDEX (an index not below vertex_count), INVALID_HANDLE (alpha_mask), NOT_FINITE (a
+ * position, a uv, the bounds), UNSUPPORTED (buffers of the other API), LIMIT_EXCEEDED (memory; more than 32 pairs of
+ * strides of vertices and uvs in the life of the device), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE_LOST, DEVICE.
+ * *mesh is 0 after an error. [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_mesh_create(csm_context *context, const csm_mesh_info *info, csm_mesh *mesh);
 
@@ -253,7 +256,7 @@ typedef struct csm_mesh_update_info {
  * them; frames that were recorded before draw what they had, and nothing waits. All instances of the mesh count as
  * moved. For a mesh in an engine's buffers it says that their content has changed.
  * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_HANDLE, INVALID_VALUE (stride, flags, bounds), NOT_FINITE, LIMIT_EXCEEDED,
- * OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE_LOST. [render-thread]
+ * OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE_LOST, DEVICE. [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_mesh_update(csm_context *context, csm_mesh mesh, const csm_mesh_update_info *info);
 
@@ -309,9 +312,10 @@ typedef struct csm_scene_batch {
  *   csm_scene_move    gives them other transforms
  *   csm_scene_change  gives them other meshes, flags, layers and transforms
  *   csm_scene_remove  removes them; ids are not given out again
- * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_HANDLE (an id or a mesh; an id that is removed twice), INVALID_VALUE
- * (flags, two kinds of transforms), NOT_FINITE, INVALID_MATRIX (a transform that is not affine), OUT_OF_MEMORY, DEVICE_LOST.
- * [render-thread]
+ * Errors: NULL_POINTER, STRUCT_SIZE (of an instance: one that ends before its transform does, too), INVALID_HANDLE (an
+ * id or a mesh; an id that is removed twice), INVALID_VALUE (flags, reserved, two kinds of transforms), NOT_FINITE,
+ * INVALID_MATRIX (a transform that is not affine, or has numbers above 1e30), LIMIT_EXCEEDED (more than 2^31 - 2
+ * instances), OUT_OF_MEMORY, DEVICE_LOST. [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_scene_add(csm_scene *scene, const csm_scene_batch *batch);
 CSM_API csm_result CSM_CALL csm_scene_move(csm_scene *scene, const csm_scene_batch *batch);
@@ -323,8 +327,9 @@ CSM_API csm_result CSM_CALL csm_scene_remove(csm_scene *scene, uint32_t count, c
 /*
  * Makes the cascades of one light seen from one camera, with their maps.
  * Errors: NULL_POINTER, STRUCT_SIZE, NOT_FINITE, INVALID_VALUE (a field out of range, named in the text; manual splits
- * that do not rise), LIMIT_EXCEEDED (resolution or memory), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE_LOST, DEVICE.
- * *cascades is NULL after an error. [render-thread]
+ * that do not rise), UNSUPPORTED (polygon_offset_clamp on a device without depthBiasClamp), LIMIT_EXCEEDED (resolution
+ * or memory), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE_LOST, DEVICE. *cascades is NULL after an error.
+ * [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_cascades_create(csm_context *context, const csm_config *config,
                                                 csm_cascades **cascades);
@@ -343,6 +348,11 @@ CSM_API csm_result CSM_CALL csm_cascades_destroy(csm_cascades *cascades);
 /*
  * Makes a view: what belongs to one picture. Two pictures that share cascades (two eyes, split screen, a reflection)
  * have a view each. Its images are made by csm_resolve_mask, in the size asked for there.
+ * With csm_config.depth_samples, cascades are fitted to what their views saw: those that were resolved with them in the
+ * last 8 csm_render_cascades, with a camera like that of the cascades (the same kind of projection, and turned and
+ * moved by no more than depth_samples_margin). Other views, a reflection say, are left out, and what they alone see may
+ * lie outside the maps. A view that saw another picture than the cascades' camera sees now, as after a cut, leaves the
+ * frame unfitted.
  * Errors: NULL_POINTER, OUT_OF_MEMORY, DEVICE_LOST. *view is NULL after an error. [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_view_create(csm_context *context, csm_view **view);
@@ -383,7 +393,7 @@ typedef struct csm_draw_target {
 /*
  * Tells what a draw callback will draw into with the present configuration. It changes with csm_cascades_configure
  * (map_format, map_reversed) and csm_switch_backend alone.
- * Errors: NULL_POINTER, STRUCT_SIZE, DEVICE_LOST. [render-thread]
+ * Errors: NULL_POINTER, STRUCT_SIZE, OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE_LOST, DEVICE. [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_get_draw_target(csm_cascades *cascades, csm_draw_target *target);
 
@@ -436,9 +446,11 @@ typedef struct csm_frame {
 /*
  * Plans the frame and draws every cascade's map. On an own device the work is submitted, and runs on after the return;
  * on an engine's it is recorded into command_buffer, uploads included. A camera whose near plane lies beyond the shadow
- * distance has no shadows: nothing is drawn.
- * Errors: NULL_POINTER, STRUCT_SIZE, NOT_FINITE, INVALID_VALUE (flags, command_buffer, frame; a scene and instances; an
- * instance's flags; angular_diameter), INVALID_MATRIX (view or an instance's transform not affine, view or projection
+ * distance has no shadows: no map is drawn, csm_bind gives constants by which every point is out of range, and csm_read
+ * gives what the maps held before, or empty ones.
+ * Errors: NULL_POINTER (command_buffer too), STRUCT_SIZE, NOT_FINITE, INVALID_VALUE (flags, reserved, command_buffer,
+ * frame; a scene and instances; an instance's flags; csm_camera.reversed; angular_diameter; an origin beyond 1e30),
+ * INVALID_MATRIX (view or an instance's transform not affine, or with numbers above 1e30, view or projection
  * singular), INVALID_CAMERA, INVALID_LIGHT, INVALID_HANDLE (an instance's mesh; a scene of another context),
  * INVALID_STATE (frame_slots frames are not retired yet), UNSUPPORTED (draw on an own device), OUT_OF_MEMORY,
  * OUT_OF_DEVICE_MEMORY, LIMIT_EXCEEDED, DEVICE_LOST, DEVICE.
@@ -540,8 +552,8 @@ typedef struct csm_read_info {
  * Reads a map (raw depth), a mask (visibility) or the camera depth that was drawn for it into memory. Waits for the own
  * device; for tests and tools.
  * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (source, size), INVALID_INDEX (cascade), INVALID_HANDLE (of another
- * context), INVALID_STATE (nothing to read yet), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE_LOST, UNSUPPORTED (an
- * engine's device). [render-thread]
+ * context), INVALID_STATE (nothing to read yet), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE_LOST, DEVICE,
+ * UNSUPPORTED (an engine's device). [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_read(csm_context *context, const csm_read_info *info);
 
@@ -556,7 +568,7 @@ typedef struct csm_stats {
   uint32_t struct_size;
   uint32_t cascade_count;
   uint64_t plan_hash;  /* of everything the last frame's plan holds: equal on every backend. 0 if there was none, or its
-                          scene has changed since */
+                          scene, or a mesh of its list, has changed since */
   double plan_ms;      /* planning and culling of the last csm_render_cascades, on the CPU */
   double record_ms;    /* recording it, submission included on an own device */
   double clear_gpu_ms; /* as csm_cascade_stats.gpu_ms */
@@ -571,7 +583,7 @@ typedef struct csm_stats {
 
 /*
  * Counts and times of the last csm_render_cascades. Waits for an own device; on an engine's the GPU's times are those
- * of the last retired frame that measured them. Errors: NULL_POINTER, STRUCT_SIZE, DEVICE_LOST. [render-thread]
+ * of the last retired frame that measured them. Errors: NULL_POINTER, STRUCT_SIZE, DEVICE_LOST, DEVICE. [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_get_stats(csm_cascades *cascades, csm_stats *stats);
 
@@ -583,7 +595,8 @@ typedef struct csm_view_stats {
   uint64_t bytes;                          /* device memory of mask, own camera depth and depth samples */
 } csm_view_stats;
 
-/* The same of a view's last csm_resolve_mask. Errors: NULL_POINTER, STRUCT_SIZE, DEVICE_LOST. [render-thread] */
+/* The same of a view's last csm_resolve_mask. Errors: NULL_POINTER, STRUCT_SIZE, DEVICE_LOST, DEVICE.
+ * [render-thread] */
 CSM_API csm_result CSM_CALL csm_get_view_stats(csm_view *view, csm_view_stats *stats);
 
 /*

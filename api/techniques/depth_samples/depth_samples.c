@@ -64,6 +64,7 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
     return result;
   state->constants_offset = (uint32_t)ring->offset;
   state->read->about = (plan_depth_samples){.camera = *picture->camera,
+                                            .maps_camera = run->plan->camera,
                                             .width = picture->width,
                                             .height = picture->height,
                                             .tile_px = TILE_PX,
@@ -126,6 +127,14 @@ void depth_samples_collect(const technique_set *view, const device *device, plan
   depth_samples_state *state = technique_state(view, &technique_depth_samples);
   collect(state, device);
   *out = state->samples;
+}
+
+void depth_samples_drop(const technique_set *view, device *device) {
+  depth_samples_state *state = technique_state(view, &technique_depth_samples);
+  drop(state, device);
+  end(state, device->host);
+  state->memory = state->room = NULL;
+  state->samples = (plan_depth_samples){0};
 }
 
 const technique technique_depth_samples = {

@@ -10,4 +10,7 @@ extern const technique technique_depth_samples;
    next call. */
 void depth_samples_collect(const technique_set *view, const device *device, plan_depth_samples *out);
 
+/* Nothing that the view saw is used any more, and its images go. */
+void depth_samples_drop(const technique_set *view, device *device);
+
 #endif

@@ -1,5 +1,6 @@
 #include "techniques/mask/mask.h"
 
+#include "csm_constants.h"
 #include "techniques/drawn_image.h"
 #include "techniques/engine_image.h"
 #include "techniques/inputs.h"
@@ -9,6 +10,8 @@
 #include <string.h>
 
 enum { BLOCKS = MASK_CASCADES_BLOCK + MASK_CAMERA_BLOCK };
+_Static_assert(sizeof(csm_constants) <= MASK_CASCADES_BLOCK, "MASK_CASCADES_BLOCK");
+_Static_assert(CSM_M_COUNT * 4 * sizeof(float) <= MASK_CAMERA_BLOCK, "MASK_CAMERA_BLOCK");
 
 typedef struct mask_state {
   drawn_images mask;
@@ -18,7 +21,7 @@ typedef struct mask_state {
   /* of the recording on its way */
   ring_range ring;
   gpu_program *program;
-  gpu_bindings *bindings;
+  input *input;
   bool unorm_normals;
 } mask_state;
 
@@ -66,7 +69,7 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
       .constants = {ring->buffer, ring->buffer},
       .textures = {maps_image(run->cascades), picture->depth, normals.image},
   };
-  return inputs_find(&state->inputs[normals.image != NULL], device, &reads, &state->bindings);
+  return inputs_find(&state->inputs[normals.image != NULL], device, &reads, &state->input);
 }
 
 static void write(void *self, const technique_run *run) {
@@ -119,7 +122,7 @@ static void record(void *self, const technique_run *run) {
   gpu_marker_begin(gpu, "mask");
   gpu_pass_begin(gpu, &(gpu_pass_info){.target = state->mask.now->target, .color_load = GPU_LOAD_DISCARD});
   gpu_pass_program(gpu, state->program);
-  gpu_pass_bind(gpu, state->bindings, offsets);
+  gpu_pass_bind(gpu, inputs_use(state->input, run->device), offsets);
   gpu_pass_draw(gpu, &(gpu_draw){.count = 3, .instance_count = 1});
   gpu_pass_end(gpu);
   gpu_make_readable(gpu, state->mask.now->image, NULL);
