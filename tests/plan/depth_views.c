@@ -94,11 +94,70 @@ static void no_depth_of_a_buffer_raises_an_exception(void **state) {
   }
 }
 
+/* By 90 degrees, as for a display that stands upright. */
+static void turn(double projection[16]) {
+  for (double *column = projection; column < projection + 16; column += 4) {
+    const double x = column[0];
+    column[0] = column[1];
+    column[1] = -x;
+  }
+}
+
+/* Depths are the same in whichever way the picture is turned, and so are splits. */
+static void a_turned_picture_is_fitted(void **state) {
+  (void)state;
+  const test_camera camera = plain_camera();
+  const plan_scene empty = {0};
+  const csm_config config = sampled_config(CSM_DEPTH_SAMPLES_SPLITS);
+  static picture seen;
+  double view[16], projection[16];
+  const char *error = "";
+  plan_frame frame;
+  take(&seen, &camera, ground_and_wall);
+  const plan_frame straight = plan_with(&config, &camera, &seen, NULL);
+  camera_matrices(&camera, view, projection);
+  turn(projection);
+  plan_depth_samples turned = seen.samples;
+  turn(turned.camera.projection);
+  turned.maps_camera = turned.camera;
+  assert_true(plan_depth_samples_count(&turned, config.depth_samples_margin));
+  const plan_frame_info info = {.config = &config,
+                                .view = view,
+                                .projection = projection,
+                                .reversed = camera_reversed(&camera),
+                                .light = picture_light,
+                                .scene = &empty,
+                                .samples = &turned,
+                                .sample_count = 1};
+  assert_int_equal(plan_traced(&frame, &info, NULL, &error), CSM_SUCCESS);
+  assert_true(straight.history.has_samples && frame.history.has_samples);
+  for (uint32_t i = 0; i < frame.cascade_count; ++i)
+    assert_near(frame.cascades[i].info.far_depth, straight.cascades[i].info.far_depth, 1e-9);
+}
+
+/* A view that looks another way than its maps' camera does not count, whatever it saw. */
+static void a_reflection_does_not_count(void **state) {
+  (void)state;
+  const test_camera camera = plain_camera();
+  test_camera other = camera;
+  static picture seen, mirrored;
+  camera_look(&other, (double[]){1.0, 0.0, 0.0}, 0.0);
+  take(&seen, &camera, ground_and_wall);
+  take(&mirrored, &other, ground_and_wall);
+  plan_depth_samples samples = seen.samples;
+  samples.maps_camera = seen.samples.camera;
+  assert_true(plan_depth_samples_count(&samples, 0.1));
+  samples.maps_camera = mirrored.samples.camera;
+  assert_false(plan_depth_samples_count(&samples, 0.1));
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_any_view_saw_is_held),
       cmocka_unit_test(one_view_that_is_of_no_use_leaves_all_unfitted),
       cmocka_unit_test(no_depth_of_a_buffer_raises_an_exception),
+      cmocka_unit_test(a_turned_picture_is_fitted),
+      cmocka_unit_test(a_reflection_does_not_count),
   };
   return cmocka_run_group_tests_name("plan-depth-views", tests, NULL, NULL);
 }
