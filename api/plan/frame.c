@@ -11,6 +11,7 @@ static csm_result fit_cascades(plan_frame *frame, plan_fit *fits, const plan_fit
   plan_depths depths;
   csm_result result = plan_splits(&depths, to, error);
   frame->unshadowed = !result && depths.none;
+  frame->shadow_end = result ? 0.0 : depths.shadow_end;
   for (uint32_t i = 0; i < frame->cascade_count && !result && !frame->unshadowed; ++i) {
     frame->cascades[i].info.near_depth = depths.at[i];
     frame->cascades[i].info.far_depth = depths.at[i + 1];

@@ -85,6 +85,7 @@ typedef struct plan_fit_frame {
 /* Where the cascades begin and end, as view depth. */
 typedef struct plan_depths {
   double at[CSM_MAX_CASCADES + 1]; /* count + 1 values, strictly rising, the last one the end of the shadows exactly */
+  double shadow_end;               /* where shadows end, whatever the samples say */
   bool none;                       /* the near plane is at or beyond that end, and `at` is not filled */
 } plan_depths;
 /* INVALID_CAMERA: there is no room for so many cascades. */

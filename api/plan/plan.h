@@ -207,7 +207,8 @@ typedef struct plan_frame {
   double origin[3];
   double basis[9];
   uint32_t cascade_count;
-  bool unshadowed; /* the near plane is at or beyond the end of shadows: nothing is drawn, and no point is in a map */
+  double shadow_end; /* view depth in metres where shadows end; depth samples may end the last cascade before */
+  bool unshadowed;   /* the near plane is at or beyond the end of shadows: nothing is drawn, and no point is in a map */
   plan_cascade cascades[CSM_MAX_CASCADES];
   const uint8_t *drawn; /* by slot: bit i is set if cascade i draws it; NULL if there are no slots */
   uint32_t slot_count;

@@ -36,6 +36,7 @@ csm_result plan_splits(plan_depths *out, const plan_fit_frame *frame, const char
   const double reach = fmin(config->shadow_distance, frame->camera->far_depth);
   double end = manual ? fmin(reach, manual_split(config, count - 1, near, reach)) : reach;
   out->none = !(near < end);
+  out->shadow_end = end;
   if (out->none)
     return CSM_SUCCESS;
   if (frame->sample_count && !manual)

@@ -89,7 +89,7 @@ static void put_bias(float *out, const csm_config *config) {
 }
 
 static void put_settings(float *out, const plan_frame *frame, const csm_config *config) {
-  const double end = frame->cascades[frame->cascade_count - 1].info.far_depth, fade = config->fade_share * end;
+  const double end = frame->shadow_end, fade = config->fade_share * end;
   put_bias(out, config);
   put_filter(out, config);
   put(out, CSM_S_MODES, config->selection, config->out_of_range, config->blend_mode, config->normal_offset_mode);

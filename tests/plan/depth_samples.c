@@ -1,6 +1,7 @@
 /* Splits and bounds by what the camera saw, in scenes whose depths are known. */
 #include "pictures.h"
 
+#include "csm_constants.h"
 #include <math.h>
 #include <string.h>
 
@@ -69,6 +70,25 @@ static void splits_keep_to_the_margin(void **state) {
     assert_true(frame.cascades[0].info.near_depth <= near * (1.0 + 1e-6));
     assert_true(frame.cascades[0].info.near_depth >= near / step * (1.0 - 1e-6));
     assert_true(end_of(&frame) >= end * (1.0 - 1e-6) && end_of(&frame) <= end * step * (1.0 + 1e-6));
+  }
+}
+
+/* Shadows fade before their end, not before the end of what is seen. */
+static void shadows_fade_where_they_would_without_samples(void **state) {
+  (void)state;
+  const test_camera camera = plain_camera();
+  csm_config config = sampled_config(CSM_DEPTH_SAMPLES_SPLITS);
+  config.out_of_range = CSM_OUT_OF_RANGE_FADED;
+  picture seen;
+  take(&seen, &camera, small_thing);
+  const plan_frame frames[] = {plan_with(&config, &camera, &seen, NULL), plan_with(&config, &camera, NULL, NULL)};
+  assert_true(end_of(&frames[0]) < 0.8 * end_of(&frames[1]));
+  for (int i = 0; i < 2; ++i) {
+    float constants[CSM_C_COUNT * 4];
+    (void)plan_write_constants(constants, &frames[i], &config);
+    const double length = config.fade_share * end_of(&frames[1]);
+    assert_float_equal(constants[CSM_S_BAND * 4 + 1], end_of(&frames[1]) - length, 1e-3);
+    assert_float_equal(constants[CSM_S_BAND * 4 + 2], 1.0 / length, 1e-6);
   }
 }
 
@@ -364,6 +384,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(splits_and_bounds_hold_what_is_seen),
       cmocka_unit_test(splits_keep_to_the_margin),
+      cmocka_unit_test(shadows_fade_where_they_would_without_samples),
       cmocka_unit_test(any_camera_has_what_it_sees),
       cmocka_unit_test(what_lies_past_the_ends_is_left_out),
       cmocka_unit_test(where_nothing_was_seen_nothing_is_fitted),
