@@ -94,8 +94,8 @@ static csm_result add_engines(device *device, const csm_mesh_info *info, geometr
   const csm_result result = device_check(device, gpu_geometry_import(device->gpu, native, engine), "an engine's mesh");
   if (result)
     return result;
-  const bool strides = engine->uv_stride >= uv_bytes && engine->uv_stride % 4 == 0 &&
-                       engine->uv_stride <= engine->largest_stride;
+  const bool strides =
+      engine->uv_stride >= uv_bytes && engine->uv_stride % 4 == 0 && engine->uv_stride <= engine->largest_stride;
   const bool begins =
       engine->uv_offset % 4 == 0 && (!engine->vertices_size || engine->uv_offset < engine->vertices_size);
   const char *wrong = !info->alpha_mask ? NULL : !strides ? "uv_stride" : !begins ? "uv_offset" : NULL;

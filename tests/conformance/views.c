@@ -367,14 +367,10 @@ static void a_switch_keeps_depth_samples(void **state) {
 
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(views_do_not_disturb_each_other),
-      cmocka_unit_test(a_view_may_change_its_cascades),
-      cmocka_unit_test(views_may_go_at_any_time),
-      cmocka_unit_test(a_switch_takes_views_along),
-      cmocka_unit_test(cascades_fit_what_all_views_saw),
-      cmocka_unit_test(a_failed_resolve_keeps_depth_samples),
-      cmocka_unit_test(a_view_that_rests_is_left_out),
-      cmocka_unit_test(a_setting_that_ends_forgets_what_was_seen),
+      cmocka_unit_test(views_do_not_disturb_each_other), cmocka_unit_test(a_view_may_change_its_cascades),
+      cmocka_unit_test(views_may_go_at_any_time),        cmocka_unit_test(a_switch_takes_views_along),
+      cmocka_unit_test(cascades_fit_what_all_views_saw), cmocka_unit_test(a_failed_resolve_keeps_depth_samples),
+      cmocka_unit_test(a_view_that_rests_is_left_out),   cmocka_unit_test(a_setting_that_ends_forgets_what_was_seen),
       cmocka_unit_test(a_switch_keeps_depth_samples),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);

@@ -75,7 +75,8 @@ static void weights_sum_up_and_fall_from_the_middle(void **state) {
       (void)plan_write_constants((float *)&constants, &frame, &config);
       for (uint32_t i = 0; i < PLAN_MAX_WEIGHTS; ++i)
         assert_true(constants.settings.weights[i] == (float)weights[i]);
-      assert_true(constants.settings.kernel[0] == (float)config.filter && constants.settings.kernel[1] == (float)shapes[s].count);
+      assert_true(constants.settings.kernel[0] == (float)config.filter &&
+                  constants.settings.kernel[1] == (float)shapes[s].count);
       assert_true(constants.settings.kernel[3] == (float)(1.0 / (told * told)));
     }
 }
