@@ -14,11 +14,8 @@ typedef struct row {
 static const gpu_rect nothing = {0};
 
 static void clear_level(fixture *f, uint32_t level) {
-  gpu_target *target = NULL;
-  gpu_target_create(f->g, &(gpu_target_info){.name = "level", .color = f->texture, .color_level = level}, &target);
-  gpu_pass_begin(f->g, &(gpu_pass_info){.target = target, .color_load = GPU_LOAD_CLEAR});
+  gpu_pass_begin(f->g, &(gpu_pass_info){.target = f->level_targets[level], .color_load = GPU_LOAD_CLEAR});
   gpu_pass_end(f->g);
-  gpu_target_destroy(f->g, target);
 }
 
 static void begin_level_1(fixture *f, gpu_load load) {
@@ -91,12 +88,9 @@ static void reads_the_unwritten(fixture *f) {
 }
 
 static void reads_the_discarded(fixture *f) {
-  gpu_target *target = NULL;
-  gpu_target_create(f->g, &(gpu_target_info){.name = "level 0", .color = f->texture}, &target);
   clear_level(f, 0);
-  gpu_pass_begin(f->g, &(gpu_pass_info){.target = target, .color_load = GPU_LOAD_DISCARD});
+  gpu_pass_begin(f->g, &(gpu_pass_info){.target = f->level_targets[0], .color_load = GPU_LOAD_DISCARD});
   gpu_pass_end(f->g);
-  gpu_target_destroy(f->g, target);
   gpu_make_readable(f->g, f->texture, NULL);
   bind_in_pass(f, f->reading, f->reads, NULL);
 }
@@ -444,4 +438,124 @@ void test_recordings(void **state) {
   test_copies_out(f);
   test_copies_in(f);
   test_buffer_copies(f);
+}
+
+/* ---- timestamps, markers and slots ---- */
+
+static void stamps(fixture *f) {
+  gpu_timestamp(f->g, 3);
+}
+
+static void stamps_beyond(fixture *f) {
+  gpu_timestamp(f->g, GPU_MAX_TIMESTAMPS);
+}
+
+static void stamps_in_a_pass(fixture *f) {
+  begin_target(f);
+  gpu_timestamp(f->g, 4);
+  gpu_pass_end(f->g);
+}
+
+static void marks_in_a_pass(fixture *f) {
+  begin_target(f);
+  gpu_marker_begin(f->g, "pass");
+  gpu_pass_end(f->g);
+  gpu_marker_end(f->g);
+}
+
+static void ends_no_marker(fixture *f) {
+  gpu_marker_end(f->g);
+}
+
+static void again(fixture *f, bool first) {
+  gpu_end(f->g);
+  gpu_begin(f->g, &(gpu_record_info){.first = first});
+}
+
+static void ends_with_a_marker(fixture *f) {
+  gpu_marker_begin(f->g, "open");
+  again(f, false);
+}
+
+static void stamps_again_in_a_frame(fixture *f) {
+  again(f, false);
+  gpu_timestamp(f->g, 3);
+}
+
+static void stamps_in_the_next_frame(fixture *f) {
+  again(f, true);
+  gpu_timestamp(f->g, 3);
+}
+
+static void stamps_outside(fixture *f) {
+  gpu_end(f->g);
+  gpu_timestamp(f->g, 5);
+  gpu_begin(f->g, &(gpu_record_info){.first = false});
+}
+
+static void begins_in_no_slot(fixture *f) {
+  gpu_end(f->g);
+  gpu_begin(f->g, &(gpu_record_info){.slot = 1});
+}
+
+static void waits_for_no_slot(fixture *f) {
+  gpu_wait(f->g, 1);
+}
+
+static void reads_its_stamp(fixture *f) {
+  uint64_t nanoseconds[2];
+  assert_int_equal(gpu_timestamps(f->g, 0, 3, 1, nanoseconds), CSM_SUCCESS);
+  assert_int_equal(nanoseconds[0], 3000000);
+}
+
+static void reads_more_stamps(fixture *f) {
+  uint64_t nanoseconds[2];
+  gpu_timestamps(f->g, 0, 3, 2, nanoseconds);
+}
+
+void test_stamps(void **state) {
+  const row rows[] = {
+      {stamps, NULL},
+      {stamps, "timestamp: taken before in this frame"},
+      {stamps_beyond, "timestamp: no such index"},
+      {stamps_again_in_a_frame, "timestamp: taken before in this frame"},
+      {stamps_in_the_next_frame, NULL},
+      {reads_its_stamp, NULL},
+      {reads_more_stamps, "timestamps: one was not taken"},
+      {stamps_in_a_pass, "timestamp: not between begin and end, or in a pass"},
+      {stamps_outside, "timestamp: not between begin and end, or in a pass"},
+      {marks_in_a_pass, "marker_begin: not between begin and end, or in a pass"},
+      {ends_no_marker, "marker_end: no marker is open"},
+      {ends_with_a_marker, "end: a marker is open"},
+      {begins_in_no_slot, "begin: no such slot"},
+      {waits_for_no_slot, "wait: no such slot"},
+  };
+  run_rows(*state, rows, COUNT_OF(rows));
+}
+
+/* ---- what a recording uses ---- */
+
+/* Destroyed while a recording is open, or in flight; and when it is waited for. */
+void test_lives(void **state) {
+  fixture *f = *state;
+  gpu_buffer *buffers[3] = {NULL};
+  for (size_t i = 0; i < COUNT_OF(buffers); i++) {
+    gpu_buffer_create(f->g, &(gpu_buffer_info){.name = "b", .kind = GPU_BUFFER_DEVICE, .size = 16}, &buffers[i]);
+    gpu_copy_buffer(f->g, buffers[i], 0, f->upload, 0, 16);
+  }
+  gpu_buffer_destroy(f->g, buffers[0]);
+  expect(f, "buffer_destroy: a recording uses it");
+  clear_level(f, 0);
+  gpu_make_readable(f->g, f->texture, NULL);
+  bind_in_pass(f, f->reading, f->reads, NULL);
+  expect(f, NULL);
+  gpu_bindings_write(f->g, f->reads, &(gpu_bindings_info){.program = f->reading, .texture_views = {f->levels[0]}});
+  expect(f, "bindings_write: a recording uses them");
+  gpu_end(f->g);
+  gpu_buffer_destroy(f->g, buffers[1]);
+  expect(f, "buffer_destroy: a recording uses it");
+  gpu_wait(f->g, 0);
+  gpu_buffer_destroy(f->g, buffers[2]);
+  expect(f, NULL);
+  gpu_begin(f->g, &(gpu_record_info){.first = true});
 }
