@@ -196,6 +196,57 @@ static void binds_another_shape(fixture *f) {
   bind_in_pass(f, f->drawing_level, f->reads, NULL);
 }
 
+/* A program that reads level 0 as f->reading does, but for a sampler or a constant. */
+static void binds_beside(fixture *f, gpu_program_info more) {
+  gpu_program_info info = null_drawing;
+  gpu_program *program = NULL;
+  info.depth_format = GPU_FORMAT_NONE;
+  info.depth_compare = GPU_COMPARE_NONE;
+  info.color_format = GPU_FORMAT_R32_FLOAT;
+  info.texture_count = 1;
+  info.constants_count = more.constants_count;
+  info.constants_sizes[0] = more.constants_sizes[0];
+  info.sampler_count = more.sampler_count;
+  info.samplers[0] = more.samplers[0];
+  gpu_program_create(f->g, &info, &program);
+  info.constants_sizes[0] *= 2;
+  info.samplers[0] = GPU_SAMPLER_LINEAR_CLAMP;
+  gpu_program *other = NULL;
+  gpu_program_create(f->g, &info, &other);
+  gpu_bindings *bindings = NULL;
+  gpu_bindings_create(
+      f->g,
+      &(gpu_bindings_info){
+          .name = "beside", .program = other, .constants = {f->upload}, .texture_views = {f->levels[0]}},
+      &bindings);
+  bind_in_pass(f, program, bindings, NULL);
+  gpu_end(f->g);
+  gpu_wait(f->g, 0);
+  gpu_bindings_destroy(f->g, bindings);
+  gpu_program_destroy(f->g, other);
+  gpu_program_destroy(f->g, program);
+  gpu_begin(f->g, &(gpu_record_info){.first = true});
+}
+
+static void binds_other_samplers(fixture *f) {
+  binds_beside(f, (gpu_program_info){.sampler_count = 1, .samplers = {GPU_SAMPLER_POINT_CLAMP}});
+}
+
+static void binds_other_constants(fixture *f) {
+  binds_beside(f, (gpu_program_info){.constants_count = 1, .constants_sizes = {256}});
+}
+
+static void forgets_what_was_bound(fixture *f) {
+  clear_level(f, 0);
+  gpu_make_readable(f->g, f->texture, &(gpu_range){0, 1, 0, 1});
+  begin_level_1(f, GPU_LOAD_CLEAR);
+  gpu_pass_program(f->g, f->reading);
+  gpu_pass_bind(f->g, f->reads, NULL);
+  gpu_pass_program(f->g, f->reading);
+  gpu_pass_draw(f->g, &(gpu_draw){.streams = {f->upload}, .count = 3, .instance_count = 1});
+  gpu_pass_end(f->g);
+}
+
 void test_passes(void **state) {
   static const char unwritten[] = "pass_bind: a texture was never written, or was discarded";
   static const char kept[] = "pass_begin: it keeps what was never written, or was discarded";
@@ -222,6 +273,9 @@ void test_passes(void **state) {
       {program_of_other_formats, "pass_program: made for targets of other formats"},
       {program_that_computes, "pass_program: the program computes"},
       {binds_another_shape, "pass_bind: no pass is open, or bindings of a program of another shape"},
+      {binds_other_samplers, "pass_bind: no pass is open, or bindings of a program of another shape"},
+      {binds_other_constants, "pass_bind: no pass is open, or bindings of a program of another shape"},
+      {forgets_what_was_bound, "pass_draw: nothing is bound"},
   };
   run_rows(*state, rows, COUNT_OF(rows));
 }
