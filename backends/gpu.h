@@ -23,9 +23,9 @@
  * States. A backend tracks the state of each buffer and of each {layer, level} of an image while it records, in
  * recording order, and puts barriers where the next use needs them:
  *   - Copies, clears, passes' targets and dispatches take what they use into the state for it by themselves.
- *   - A pass holds no barriers. pass_begin makes every buffer readable in all ways that its usage allows, and writable
- *     what gpu_pass_info.stores names. Textures that the pass's draws read must be readable before it begins: `end` of
- *     an earlier recording, or make_readable, made them so.
+ *   - A pass holds no barriers. pass_begin makes every buffer readable in the ways of its usage, and makes what
+ *     gpu_pass_info.stores names writable. Textures must be made readable before it: by `end` of an earlier recording,
+ *     or by make_readable.
  *   - One {layer, level} may be read while another of the same image is written.
  *   - Frames in flight are ordered too: copy_buffer may overwrite vertices that an earlier recording draws.
  * Every image that was written in a recording rests readable by shaders when `end` returns, if it has
@@ -144,8 +144,8 @@ typedef struct gpu_device_info {
   uint32_t type; /* gpu_device_type */
   uint32_t max_image_size;
   uint32_t max_image_layers;
-  uint64_t max_buffer_size;
-  uint64_t max_allocation_size; /* the most bytes that one image or buffer may take */
+  uint64_t max_buffer_size;     /* the most bytes that one buffer may take */
+  uint64_t max_allocation_size; /* and one image */
   uint64_t memory_size;         /* of the heap that images live in */
   char name[256];
   char driver[256];
@@ -237,6 +237,9 @@ typedef struct gpu_region {
   uint32_t layer, x, y, width, height;
   uint32_t level; /* x, y, width and height are its own texels */
 } gpu_region;
+
+/* What an engine's image is to hold. A depth has one channel, normals have three or four. */
+typedef enum gpu_texels { GPU_TEXELS_DEPTH, GPU_TEXELS_NORMALS } gpu_texels;
 
 /* What an engine's image turned out to be. */
 typedef struct gpu_imported {
@@ -369,8 +372,8 @@ typedef struct gpu_buffer_part {
 } gpu_buffer_part;
 
 /* What a program reads and writes. Good for every program of the same shape: it draws or computes alike, and has the
-   same counts of constants, textures, buffers, stores and samplers. Nothing that is written may be read through the
-   same bindings. */
+   same counts of textures, buffers and stores, the same constants in number and size, and the same samplers. Nothing that
+   is written may be read through the same bindings. */
 typedef struct gpu_bindings_info {
   const char *name;
   const gpu_program *program;
@@ -492,13 +495,15 @@ typedef struct gpu_backend {
   /* D3D12: writes a shader resource view of the whole image to an engine's CPU descriptor. Vulkan: nothing. */
   void (*image_describe)(gpu_device *device, const gpu_image *image, uint64_t descriptor);
   /* The engine's own image to sample (csm_vulkan_image, csm_d3d12_image). It is in a state that shaders read, and stays
-     in it. Destroyed like any other. Errors: those of creation, NULL_POINTER, STRUCT_SIZE, INVALID_VALUE. */
-  csm_result (*image_import)(gpu_device *device, const void *native, gpu_image **out, gpu_imported *about);
+     in it. Its format holds such texels. Destroyed like any other. Errors: those of creation, NULL_POINTER, STRUCT_SIZE,
+     INVALID_VALUE. */
+  csm_result (*image_import)(gpu_device *device, const void *native, gpu_texels texels, gpu_image **out,
+                             gpu_imported *about);
   /* The engine's own vertices and indices (csm_vulkan_mesh, csm_d3d12_mesh), readable as such while they are drawn.
      Both buffers are destroyed like any other, the indices' only if it is another one. Errors: as image_import. */
   csm_result (*geometry_import)(gpu_device *device, const void *native, gpu_geometry *out);
-  /* A view goes before its image, a target before its images. Bindings may outlive what they were written with: they
-     are written anew before they are bound again. */
+  /* A view goes before its image, a target before its images. Bindings that bind what is gone are written or destroyed
+     before they are used. */
   csm_result (*view_create)(gpu_device *device, const gpu_view_info *info, gpu_view **out);
   void (*view_destroy)(gpu_device *device, gpu_view *view);
   csm_result (*target_create)(gpu_device *device, const gpu_target_info *info, gpu_target **out);
@@ -521,6 +526,7 @@ typedef struct gpu_backend {
      ever waited for, and the front sees to it that the slot is free. Errors: DEVICE_LOST, DEVICE, OUT_OF_MEMORY,
      OUT_OF_DEVICE_MEMORY. */
   csm_result (*begin)(gpu_device *device, const gpu_record_info *info);
+  /* Markers and timestamps stand outside passes. A recording ends each marker that it begins. */
   void (*marker_begin)(gpu_device *device, const char *name);
   void (*marker_end)(gpu_device *device);
   void (*timestamp)(gpu_device *device, uint32_t index); /* below GPU_MAX_TIMESTAMPS, each once for a frame's slot */
@@ -555,6 +561,7 @@ typedef struct gpu_backend {
      and nothing is drawn outside it. In the target's texels. pass_begin covers the pass's area. */
   void (*pass_area)(gpu_device *device, const gpu_rect *area);
   void (*pass_end)(gpu_device *device);
+  /* Forgets what was bound. */
   void (*pass_program)(gpu_device *device, gpu_program *program);
   /* `offsets`: one for each of the program's constants, a multiple of 256. No texture is the pass's target. */
   void (*pass_bind)(gpu_device *device, gpu_bindings *bindings, const uint32_t *offsets);
@@ -569,8 +576,9 @@ typedef struct gpu_backend {
   csm_result (*end)(gpu_device *device);
   /* Waits for the slot's last recording. Own device only. Errors: DEVICE_LOST. */
   csm_result (*wait)(gpu_device *device, uint32_t slot);
-  /* Reads `count` timestamps of the slot's finished recordings from index `first` on, in nanoseconds. Errors:
-     DEVICE_LOST, UNSUPPORTED (the queue has none). */
+  /* Reads `count` timestamps of the slot's finished recordings from index `first` on, in nanoseconds. All were taken,
+     that at `first` before the others. Errors: DEVICE_LOST, UNSUPPORTED (nothing was measured: the queue has no
+     timestamps, or an engine did not submit the recording). */
   csm_result (*timestamps)(gpu_device *device, uint32_t slot, uint32_t first, uint32_t count, uint64_t *nanoseconds);
 } gpu_backend;
 

@@ -52,8 +52,9 @@ static inline void gpu_image_describe(gpu g, const gpu_image *image, uint64_t de
   g.api->image_describe(g.device, image, descriptor);
 }
 
-static inline csm_result gpu_image_import(gpu g, const void *native, gpu_image **out, gpu_imported *about) {
-  return g.api->image_import(g.device, native, out, about);
+static inline csm_result gpu_image_import(gpu g, const void *native, gpu_texels texels, gpu_image **out,
+                                          gpu_imported *about) {
+  return g.api->image_import(g.device, native, texels, out, about);
 }
 
 static inline csm_result gpu_geometry_import(gpu g, const void *native, gpu_geometry *out) {

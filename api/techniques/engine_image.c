@@ -18,8 +18,8 @@ csm_result engine_image_import(device *device, const engine_image *from, engine_
   if (!imported)
     return CSM_ERROR_OUT_OF_MEMORY;
   gpu_imported about = {0};
-  const csm_result result =
-      device_check(device, gpu_image_import(device->gpu, from->native, &imported->image, &about), from->name);
+  const csm_result result = device_check(
+      device, gpu_image_import(device->gpu, from->native, from->texels, &imported->image, &about), from->name);
   if (result) {
     host_release(device->host, imported);
     return result;

@@ -7,6 +7,7 @@
 typedef struct engine_image {
   const void *native;     /* csm_vulkan_image, csm_d3d12_image, or NULL */
   const char *name;       /* for errors */
+  gpu_texels texels;      /* what it is to hold */
   uint32_t width, height; /* that it must have */
 } engine_image;
 

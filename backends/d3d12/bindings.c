@@ -8,23 +8,23 @@ enum { TABLE_RANGES = 4 };
 
 /* ---- root signatures ---- */
 
-/* The ranges of the table that hold anything. */
+/* The ranges of the table that hold anything, without gaps between them. */
 static uint32_t table_ranges(const gpu_program_info *info, D3D12_DESCRIPTOR_RANGE *out) {
   const D3D12_DESCRIPTOR_RANGE ranges[] = {
       {.RangeType = D3D12_DESCRIPTOR_RANGE_TYPE_SRV,
        .NumDescriptors = info->texture_count,
-       .OffsetInDescriptorsFromTableStart = D3D12_BLOCK_TEXTURES},
+       .OffsetInDescriptorsFromTableStart = 0},
       {.RangeType = D3D12_DESCRIPTOR_RANGE_TYPE_SRV,
        .NumDescriptors = info->buffer_count,
        .BaseShaderRegister = GPU_FIRST_BUFFER,
-       .OffsetInDescriptorsFromTableStart = D3D12_BLOCK_BUFFERS},
+       .OffsetInDescriptorsFromTableStart = info->texture_count},
       {.RangeType = D3D12_DESCRIPTOR_RANGE_TYPE_UAV,
        .NumDescriptors = info->store_image_count,
-       .OffsetInDescriptorsFromTableStart = D3D12_BLOCK_STORE_IMAGES},
+       .OffsetInDescriptorsFromTableStart = info->texture_count + info->buffer_count},
       {.RangeType = D3D12_DESCRIPTOR_RANGE_TYPE_UAV,
        .NumDescriptors = info->store_buffer_count,
        .BaseShaderRegister = GPU_FIRST_STORE_BUFFER,
-       .OffsetInDescriptorsFromTableStart = D3D12_BLOCK_STORE_BUFFERS},
+       .OffsetInDescriptorsFromTableStart = info->texture_count + info->buffer_count + info->store_image_count},
   };
   uint32_t count = 0;
   for (uint32_t i = 0; i < TABLE_RANGES; i++)
@@ -43,7 +43,6 @@ csm_result d3d12_signature_create(gpu_device *device, gpu_program *program, cons
   D3D12_STATIC_SAMPLER_DESC samplers[GPU_MAX_SAMPLERS];
   D3D12_DESCRIPTOR_RANGE ranges[TABLE_RANGES];
   const uint32_t range_count = table_ranges(info, ranges);
-  program->has_table = range_count > 0;
   uint32_t count = 0;
   for (; count < info->constants_count; count++)
     parameters[count] = (D3D12_ROOT_PARAMETER){.ParameterType = D3D12_ROOT_PARAMETER_TYPE_CBV,
@@ -74,22 +73,80 @@ csm_result d3d12_signature_create(gpu_device *device, gpu_program *program, cons
   return d3d12_check(device, hr, "CreateRootSignature");
 }
 
-/* ---- bindings ---- */
+/* ---- descriptors ---- */
+
+/* Of the first page. Each other one has twice as many as the one before it, up to a power of two that every device can
+   make: 1,000,000 is the least of the limits. */
+enum { FIRST_PAGE = 1 << 14, LARGEST_PAGE = 1 << 19 };
+
+static csm_result page_create(gpu_device *device, uint32_t size) {
+  const D3D12_DESCRIPTOR_HEAP_DESC heap = {.Type = D3D12_DESCRIPTOR_HEAP_TYPE_CBV_SRV_UAV,
+                                           .NumDescriptors = size,
+                                           .Flags = D3D12_DESCRIPTOR_HEAP_FLAG_SHADER_VISIBLE};
+  d3d12_page *page = d3d12_allocate(device, sizeof *page);
+  if (!page)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  const csm_result result = d3d12_check(
+      device, ID3D12Device_CreateDescriptorHeap(device->handle, &heap, &IID_ID3D12DescriptorHeap, (void **)&page->heap),
+      "CreateDescriptorHeap");
+  if (result != CSM_SUCCESS) {
+    d3d12_release(device, page);
+    return result;
+  }
+  page->size = size;
+  page->next = device->pages;
+  device->pages = page;
+  return CSM_SUCCESS;
+}
 
 csm_result d3d12_descriptors_create(gpu_device *device) {
-  const D3D12_DESCRIPTOR_HEAP_DESC heap = {.Type = D3D12_DESCRIPTOR_HEAP_TYPE_CBV_SRV_UAV,
-                                           .NumDescriptors = D3D12_BINDING_BLOCKS * D3D12_BLOCK_SIZE,
-                                           .Flags = D3D12_DESCRIPTOR_HEAP_FLAG_SHADER_VISIBLE};
   device->descriptor_size =
       ID3D12Device_GetDescriptorHandleIncrementSize(device->handle, D3D12_DESCRIPTOR_HEAP_TYPE_CBV_SRV_UAV);
-  device->free_block_count = D3D12_BINDING_BLOCKS;
-  for (uint32_t i = 0; i < D3D12_BINDING_BLOCKS; i++)
-    device->free_blocks[i] = (uint16_t)(D3D12_BINDING_BLOCKS - 1 - i);
-  return d3d12_check(device,
-                     ID3D12Device_CreateDescriptorHeap(device->handle, &heap, &IID_ID3D12DescriptorHeap,
-                                                       (void **)&device->descriptors),
-                     "CreateDescriptorHeap");
+  return page_create(device, FIRST_PAGE);
 }
+
+void d3d12_descriptors_destroy(gpu_device *device) {
+  for (uint32_t size = 0; size <= D3D12_MAX_BLOCK; size++)
+    for (d3d12_block *block = device->free_blocks[size], *next; block; block = next) {
+      next = block->next;
+      d3d12_release(device, block);
+    }
+  for (d3d12_page *page = device->pages, *next; page; page = next) {
+    next = page->next;
+    d3d12_unref(page->heap);
+    d3d12_release(device, page);
+  }
+}
+
+/* Programs have few shapes, so blocks that come back are used again whole. */
+static csm_result block_take(gpu_device *device, uint32_t size, d3d12_block **out) {
+  d3d12_block *block = device->free_blocks[size];
+  if (block) {
+    device->free_blocks[size] = block->next;
+    *out = block;
+    return CSM_SUCCESS;
+  }
+  const uint32_t last = device->pages->size;
+  if (last - device->pages->taken < size) {
+    const csm_result result = page_create(device, last < LARGEST_PAGE ? 2 * last : last);
+    if (result != CSM_SUCCESS)
+      return result;
+  }
+  block = d3d12_allocate(device, sizeof *block);
+  if (!block)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  *block = (d3d12_block){.page = device->pages, .first = device->pages->taken, .size = size};
+  device->pages->taken += size;
+  *out = block;
+  return CSM_SUCCESS;
+}
+
+static void block_give_back(gpu_device *device, d3d12_block *block) {
+  block->next = device->free_blocks[block->size];
+  device->free_blocks[block->size] = block;
+}
+
+/* ---- bindings ---- */
 
 static uint64_t part_size(const gpu_buffer_part *part) {
   return part->size ? part->size : part->buffer->size - part->offset;
@@ -117,35 +174,34 @@ static void write_store_buffer(gpu_device *device, const gpu_buffer_part *part,
   ID3D12Device_CreateUnorderedAccessView(device->handle, part->buffer->resource.handle, NULL, &view, descriptor);
 }
 
-static D3D12_CPU_DESCRIPTOR_HANDLE descriptor(const gpu_device *device, const gpu_bindings *bindings, uint32_t index) {
-  const SIZE_T start = ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(device->descriptors).ptr;
-  const SIZE_T place = (SIZE_T)bindings->block * D3D12_BLOCK_SIZE + index;
-  return (D3D12_CPU_DESCRIPTOR_HANDLE){.ptr = start + place * device->descriptor_size};
-}
-
 void d3d12_bindings_write(gpu_device *device, gpu_bindings *bindings, const gpu_bindings_info *info) {
   bindings->info = *info;
-  for (uint32_t i = 0; i < bindings->texture_count; i++) {
-    const D3D12_CPU_DESCRIPTOR_HANDLE place = descriptor(device, bindings, D3D12_BLOCK_TEXTURES + i);
+  bindings->info.name = NULL;
+  bindings->info.program = NULL;
+  if (!bindings->block)
+    return;
+  D3D12_CPU_DESCRIPTOR_HANDLE place =
+      ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(bindings->block->page->heap);
+  const SIZE_T step = device->descriptor_size;
+  place.ptr += bindings->block->first * step;
+  for (uint32_t i = 0; i < bindings->texture_count; i++, place.ptr += step)
     if (info->texture_views[i])
       d3d12_view_read(device, info->texture_views[i], place);
     else
       d3d12_image_describe(device, info->textures[i], place.ptr);
-  }
-  for (uint32_t i = 0; i < bindings->buffer_count; i++)
-    write_buffer(device, &info->buffers[i], descriptor(device, bindings, D3D12_BLOCK_BUFFERS + i));
-  for (uint32_t i = 0; i < bindings->store_image_count; i++)
-    d3d12_view_store(device, info->store_images[i], descriptor(device, bindings, D3D12_BLOCK_STORE_IMAGES + i));
-  for (uint32_t i = 0; i < bindings->store_buffer_count; i++)
-    write_store_buffer(device, &info->store_buffers[i], descriptor(device, bindings, D3D12_BLOCK_STORE_BUFFERS + i));
+  for (uint32_t i = 0; i < bindings->buffer_count; i++, place.ptr += step)
+    write_buffer(device, &info->buffers[i], place);
+  for (uint32_t i = 0; i < bindings->store_image_count; i++, place.ptr += step)
+    d3d12_view_store(device, info->store_images[i], place);
+  for (uint32_t i = 0; i < bindings->store_buffer_count; i++, place.ptr += step)
+    write_store_buffer(device, &info->store_buffers[i], place);
 }
 
 csm_result d3d12_bindings_create(gpu_device *device, const gpu_bindings_info *info, gpu_bindings **out) {
   *out = NULL;
   const gpu_program *program = info->program;
-  if (program->has_table && device->free_block_count == 0)
-    return d3d12_fail(device, CSM_ERROR_OUT_OF_DEVICE_MEMORY, "%s: there are %u bindings already", info->name,
-                      D3D12_BINDING_BLOCKS);
+  const uint32_t size =
+      program->texture_count + program->buffer_count + program->store_image_count + program->store_buffer_count;
   gpu_bindings *bindings = d3d12_allocate(device, sizeof *bindings);
   if (!bindings)
     return CSM_ERROR_OUT_OF_MEMORY;
@@ -154,11 +210,14 @@ csm_result d3d12_bindings_create(gpu_device *device, const gpu_bindings_info *in
   bindings->buffer_count = program->buffer_count;
   bindings->store_image_count = program->store_image_count;
   bindings->store_buffer_count = program->store_buffer_count;
-  bindings->has_table = program->has_table;
-  if (bindings->has_table) {
-    bindings->block = device->free_blocks[--device->free_block_count];
-    bindings->table = ID3D12DescriptorHeap_GetGPUDescriptorHandleForHeapStart(device->descriptors);
-    bindings->table.ptr += (UINT64)bindings->block * D3D12_BLOCK_SIZE * device->descriptor_size;
+  if (size) {
+    const csm_result result = block_take(device, size, &bindings->block);
+    if (result != CSM_SUCCESS) {
+      d3d12_release(device, bindings);
+      return result;
+    }
+    bindings->table = ID3D12DescriptorHeap_GetGPUDescriptorHandleForHeapStart(bindings->block->page->heap);
+    bindings->table.ptr += (UINT64)bindings->block->first * device->descriptor_size;
   }
   d3d12_bindings_write(device, bindings, info);
   *out = bindings;
@@ -168,7 +227,7 @@ csm_result d3d12_bindings_create(gpu_device *device, const gpu_bindings_info *in
 void d3d12_bindings_destroy(gpu_device *device, gpu_bindings *bindings) {
   if (!bindings)
     return;
-  if (bindings->has_table)
-    device->free_blocks[device->free_block_count++] = (uint16_t)bindings->block;
+  if (bindings->block)
+    block_give_back(device, bindings->block);
   d3d12_release(device, bindings);
 }

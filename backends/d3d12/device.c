@@ -98,7 +98,7 @@ static csm_result device_new(const gpu_open_info *info, gpu_device **out) {
 static csm_result device_use(gpu_device *device) {
   csm_result result = d3d12_descriptors_create(device);
   if (result == CSM_SUCCESS)
-    result = d3d12_commands_create(device);
+    result = d3d12_command_signatures_create(device);
   if (result == CSM_SUCCESS)
     result = d3d12_queries_create(device);
   for (uint32_t i = 0; result == CSM_SUCCESS && i < device->slot_count; i++)
@@ -156,8 +156,8 @@ void d3d12_close(gpu_device *device) {
   d3d12_buffer_destroy(device, device->query_results);
   d3d12_unref(device->queries);
   for (uint32_t i = 0; i < D3D12_COMMANDS; i++)
-    d3d12_unref(device->commands[i]);
-  d3d12_unref(device->descriptors);
+    d3d12_unref(device->command_signatures[i]);
+  d3d12_descriptors_destroy(device);
   if (device->own)
     d3d12_own_close(device);
   else

@@ -40,35 +40,40 @@ csm_result d3d12_engine_take(gpu_device *device, const void *native_device) {
 
 /* ---- images ---- */
 
-typedef enum texels { TEXELS_REFUSED, TEXELS_FLOAT, TEXELS_UNORM } texels;
+/* A format that holds texels as csm reads them: the Vulkan backend takes the same. */
+typedef struct texel_format {
+  DXGI_FORMAT format;
+  gpu_texels texels;
+  bool unorm; /* normals lie in [0,1] then; floats and signed integers are as shaders want them */
+} texel_format;
 
-/* What a shader reads from an image that holds a depth or a normal, seen in a format. */
-static texels texels_of(uint32_t format) {
-  switch (format) {
-  case DXGI_FORMAT_R32_FLOAT:
-  case DXGI_FORMAT_R32_FLOAT_X8X24_TYPELESS:
-  case DXGI_FORMAT_R16_FLOAT:
-  case DXGI_FORMAT_R32G32B32A32_FLOAT:
-  case DXGI_FORMAT_R32G32B32_FLOAT:
-  case DXGI_FORMAT_R16G16B16A16_FLOAT:
-  case DXGI_FORMAT_R16G16B16A16_SNORM:
-  case DXGI_FORMAT_R8G8B8A8_SNORM:
-    return TEXELS_FLOAT;
-  case DXGI_FORMAT_R24_UNORM_X8_TYPELESS:
-  case DXGI_FORMAT_R16_UNORM:
-  case DXGI_FORMAT_R16G16B16A16_UNORM:
-  case DXGI_FORMAT_R10G10B10A2_UNORM:
-  case DXGI_FORMAT_R8G8B8A8_UNORM:
-  case DXGI_FORMAT_B8G8R8A8_UNORM:
-  case DXGI_FORMAT_B8G8R8X8_UNORM:
-    return TEXELS_UNORM;
-  default:
-    return TEXELS_REFUSED;
-  }
+static const texel_format texel_formats[] = {
+    {DXGI_FORMAT_R32_FLOAT, GPU_TEXELS_DEPTH, false},
+    {DXGI_FORMAT_R32_FLOAT_X8X24_TYPELESS, GPU_TEXELS_DEPTH, false},
+    {DXGI_FORMAT_R24_UNORM_X8_TYPELESS, GPU_TEXELS_DEPTH, true},
+    {DXGI_FORMAT_R16_UNORM, GPU_TEXELS_DEPTH, true},
+    {DXGI_FORMAT_R16_FLOAT, GPU_TEXELS_DEPTH, false},
+    {DXGI_FORMAT_R8G8B8A8_UNORM, GPU_TEXELS_NORMALS, true},
+    {DXGI_FORMAT_B8G8R8A8_UNORM, GPU_TEXELS_NORMALS, true},
+    {DXGI_FORMAT_R10G10B10A2_UNORM, GPU_TEXELS_NORMALS, true},
+    {DXGI_FORMAT_R16G16B16A16_UNORM, GPU_TEXELS_NORMALS, true},
+    {DXGI_FORMAT_R8G8B8A8_SNORM, GPU_TEXELS_NORMALS, false},
+    {DXGI_FORMAT_R16G16B16A16_SNORM, GPU_TEXELS_NORMALS, false},
+    {DXGI_FORMAT_R16G16B16A16_FLOAT, GPU_TEXELS_NORMALS, false},
+    {DXGI_FORMAT_R32G32B32_FLOAT, GPU_TEXELS_NORMALS, false},
+    {DXGI_FORMAT_R32G32B32A32_FLOAT, GPU_TEXELS_NORMALS, false},
+};
+
+/* NULL if it holds no such texels. */
+static const texel_format *find_format(uint32_t format, gpu_texels texels) {
+  for (size_t i = 0; i < sizeof texel_formats / sizeof *texel_formats; i++)
+    if ((uint32_t)texel_formats[i].format == format && texel_formats[i].texels == texels)
+      return &texel_formats[i];
+  return NULL;
 }
 
 /* What is wrong with an image, or NULL. */
-static const char *image_fault(const csm_d3d12_image *image, const D3D12_RESOURCE_DESC *resource) {
+static const char *image_fault(const csm_d3d12_image *image, gpu_texels texels, const D3D12_RESOURCE_DESC *resource) {
   if (resource->Dimension != D3D12_RESOURCE_DIMENSION_TEXTURE2D || resource->DepthOrArraySize != 1)
     return "resource is not a 2D texture of one layer";
   if (resource->SampleDesc.Count != 1)
@@ -77,12 +82,13 @@ static const char *image_fault(const csm_d3d12_image *image, const D3D12_RESOURC
     return "resource denies shaders";
   if (!image->width || !image->height || image->width > resource->Width || image->height > resource->Height)
     return "width or height is not within the resource";
-  if (texels_of(image->format) == TEXELS_REFUSED)
-    return "format is not one that depth or normals are read in";
+  if (!find_format(image->format, texels))
+    return texels == GPU_TEXELS_DEPTH ? "format is none that holds depth" : "format is none that holds normals";
   return NULL;
 }
 
-csm_result d3d12_image_import(gpu_device *device, const void *native_image, gpu_image **out, gpu_imported *about) {
+csm_result d3d12_image_import(gpu_device *device, const void *native_image, gpu_texels texels, gpu_image **out,
+                              gpu_imported *about) {
   *out = NULL;
   csm_d3d12_image native;
   const csm_result result = read_struct(device, "csm_d3d12_image", &native, sizeof native, native_image);
@@ -92,7 +98,7 @@ csm_result d3d12_image_import(gpu_device *device, const void *native_image, gpu_
     return d3d12_fail(device, CSM_ERROR_NULL_POINTER, "csm_d3d12_image: resource is NULL");
   ID3D12Resource *resource = native.resource;
   const D3D12_RESOURCE_DESC description = ID3D12Resource_GetDesc(resource);
-  const char *fault = image_fault(&native, &description);
+  const char *fault = image_fault(&native, texels, &description);
   if (fault)
     return d3d12_fail(device, CSM_ERROR_INVALID_VALUE, "csm_d3d12_image: %s", fault);
   gpu_image *image = d3d12_allocate(device, sizeof *image);
@@ -105,8 +111,8 @@ csm_result d3d12_image_import(gpu_device *device, const void *native_image, gpu_
   image->layer_count = image->level_count = 1;
   image->resource.handle = resource;
   ID3D12Resource_AddRef(resource);
-  *about =
-      (gpu_imported){.width = native.width, .height = native.height, .unorm = texels_of(native.format) == TEXELS_UNORM};
+  *about = (gpu_imported){
+      .width = native.width, .height = native.height, .unorm = find_format(native.format, texels)->unorm};
   *out = image;
   return CSM_SUCCESS;
 }
@@ -137,23 +143,32 @@ static const char *buffer_fault(ID3D12Resource *resource, uint64_t offset) {
                                                                   : NULL;
 }
 
+static csm_result check_mesh(const gpu_device *device, const csm_d3d12_mesh *native) {
+  if (!native->vertices || !native->indices)
+    return d3d12_fail(device, CSM_ERROR_NULL_POINTER, "csm_d3d12_mesh: %s is NULL",
+                      native->vertices ? "indices" : "vertices");
+  if (native->vertex_stride < 12 || native->vertex_stride % 4 || native->vertex_stride > LARGEST_STRIDE)
+    return d3d12_fail(device, CSM_ERROR_INVALID_VALUE,
+                      "csm_d3d12_mesh: vertex_stride is no multiple of 4 from 12 to 2048");
+  const char *fault = buffer_fault(native->vertices, native->vertex_offset);
+  if (!fault)
+    fault = buffer_fault(native->indices, native->index_offset);
+  if (!fault && native->index_offset > UINT32_MAX)
+    fault = "index_offset lies beyond 4 GiB";
+  if (!fault && native->reserved)
+    fault = "reserved is not 0";
+  return fault ? d3d12_fail(device, CSM_ERROR_INVALID_VALUE, "csm_d3d12_mesh: %s", fault) : CSM_SUCCESS;
+}
+
 csm_result d3d12_geometry_import(gpu_device *device, const void *native_mesh, gpu_geometry *out) {
   *out = (gpu_geometry){0};
   csm_d3d12_mesh native;
   csm_result result = read_struct(device, "csm_d3d12_mesh", &native, sizeof native, native_mesh);
   if (result != CSM_SUCCESS)
     return result;
-  if (!native.vertices || !native.indices)
-    return d3d12_fail(device, CSM_ERROR_NULL_POINTER, "csm_d3d12_mesh: %s is NULL",
-                      native.vertices ? "indices" : "vertices");
-  if (native.vertex_stride < 12 || native.vertex_stride % 4 || native.vertex_stride > LARGEST_STRIDE)
-    return d3d12_fail(device, CSM_ERROR_INVALID_VALUE,
-                      "csm_d3d12_mesh: vertex_stride is no multiple of 4 from 12 to 2048");
-  const char *fault = buffer_fault(native.vertices, native.vertex_offset);
-  if (!fault)
-    fault = buffer_fault(native.indices, native.index_offset);
-  if (fault)
-    return d3d12_fail(device, CSM_ERROR_INVALID_VALUE, "csm_d3d12_mesh: %s", fault);
+  result = check_mesh(device, &native);
+  if (result != CSM_SUCCESS)
+    return result;
   result = import_buffer(device, native.vertices, &out->vertices);
   if (result == CSM_SUCCESS && native.indices != native.vertices)
     result = import_buffer(device, native.indices, &out->indices);

@@ -47,13 +47,17 @@ static uint32_t format_can(ID3D12Device *handle, gpu_format format, bool loads_m
   D3D12_FEATURE_DATA_FORMAT_SUPPORT support = {.Format = d3d12_format(format)};
   if (FAILED(ID3D12Device_CheckFeatureSupport(handle, D3D12_FEATURE_FORMAT_SUPPORT, &support, sizeof support)))
     return 0;
+  /* A depth is drawn in its own format, and read in its view's. */
+  D3D12_FEATURE_DATA_FORMAT_SUPPORT read = {.Format = d3d12_view_format(format)};
+  if (FAILED(ID3D12Device_CheckFeatureSupport(handle, D3D12_FEATURE_FORMAT_SUPPORT, &read, sizeof read)))
+    return 0;
   const bool single = format == GPU_FORMAT_R32_FLOAT || format == GPU_FORMAT_R32_UINT;
   const bool stores = support.Support1 & D3D12_FORMAT_SUPPORT1_TYPED_UNORDERED_ACCESS_VIEW;
   const bool loads = single || (loads_more && support.Support2 & D3D12_FORMAT_SUPPORT2_UAV_TYPED_LOAD);
   uint32_t can = 0;
-  if (support.Support1 & (D3D12_FORMAT_SUPPORT1_SHADER_LOAD | D3D12_FORMAT_SUPPORT1_SHADER_SAMPLE))
+  if (read.Support1 & (D3D12_FORMAT_SUPPORT1_SHADER_LOAD | D3D12_FORMAT_SUPPORT1_SHADER_SAMPLE))
     can |= GPU_CAN_SAMPLE;
-  if (support.Support1 & D3D12_FORMAT_SUPPORT1_SHADER_SAMPLE)
+  if (read.Support1 & D3D12_FORMAT_SUPPORT1_SHADER_SAMPLE)
     can |= GPU_CAN_FILTER;
   if (support.Support1 & (D3D12_FORMAT_SUPPORT1_RENDER_TARGET | D3D12_FORMAT_SUPPORT1_DEPTH_STENCIL))
     can |= GPU_CAN_DRAW;

@@ -14,7 +14,6 @@
 
 #define D3D12_MAX_SLOTS 8
 #define D3D12_MAX_BARRIERS 16
-#define D3D12_BINDING_BLOCKS 16384   /* bindings with descriptors that can exist at once */
 #define D3D12_FILL_SIZE (128u << 10) /* of each part of gpu_device.fill: stays in a core's cache */
 
 /* Every state in which shaders of any stage read. */
@@ -24,14 +23,8 @@
 /* The parts of gpu_device.fill: texels of depth 0 in either format, and of depth 1 in each. */
 enum { D3D12_FILL_ZERO, D3D12_FILL_ONE_D32, D3D12_FILL_ONE_D16, D3D12_FILL_PARTS };
 
-/* Where descriptors lie in the block that bindings have. */
-enum {
-  D3D12_BLOCK_TEXTURES,
-  D3D12_BLOCK_BUFFERS = D3D12_BLOCK_TEXTURES + GPU_MAX_TEXTURES,
-  D3D12_BLOCK_STORE_IMAGES = D3D12_BLOCK_BUFFERS + GPU_MAX_BUFFERS,
-  D3D12_BLOCK_STORE_BUFFERS = D3D12_BLOCK_STORE_IMAGES + GPU_MAX_STORES,
-  D3D12_BLOCK_SIZE = D3D12_BLOCK_STORE_BUFFERS + GPU_MAX_STORES
-};
+/* The most descriptors of one block, in this order: textures, buffers, store images, store buffers. */
+enum { D3D12_MAX_BLOCK = GPU_MAX_TEXTURES + GPU_MAX_BUFFERS + 2 * GPU_MAX_STORES };
 
 /* What ExecuteIndirect reads: the structs of gpu.h. */
 typedef enum d3d12_command { D3D12_DRAW, D3D12_DRAW_INDEXED, D3D12_DISPATCH, D3D12_COMMANDS } d3d12_command;
@@ -73,7 +66,7 @@ struct gpu_image {
   ID3D12DescriptorHeap *clear_heap; /* depth: a view of all layers for each level */
   bool used;
   gpu_image *next_used;
-  D3D12_RESOURCE_STATES *before;  /* each subresource's state before the current recording; valid if used */
+  D3D12_RESOURCE_STATES *before;  /* each {layer, level}'s state before the current recording; valid if used */
   D3D12_RESOURCE_STATES states[]; /* and now: level + layer * level_count */
 };
 
@@ -82,10 +75,14 @@ struct gpu_view {
   gpu_range range; /* no count is 0 */
 };
 
+typedef struct d3d12_attachment {
+  gpu_image *image;           /* NULL: none */
+  ID3D12DescriptorHeap *heap; /* one view */
+  gpu_range range;            /* one {layer, level} */
+} d3d12_attachment;
+
 struct gpu_target {
-  gpu_image *depth, *color;
-  gpu_range depth_range, color_range;            /* of one subresource */
-  ID3D12DescriptorHeap *depth_heap, *color_heap; /* one view each */
+  d3d12_attachment depth, color;
   uint32_t width, height;
 };
 
@@ -93,16 +90,30 @@ struct gpu_program {
   ID3D12RootSignature *signature;
   ID3D12PipelineState *pipeline;
   uint32_t constants_count, texture_count, buffer_count, store_image_count, store_buffer_count;
-  bool has_table; /* the root parameter after the constants, for all else */
   uint32_t stream_count;
   uint32_t strides[GPU_MAX_STREAMS];
 };
 
+/* A shader-visible heap of descriptors, of which blocks are taken from the first on. */
+typedef struct d3d12_page d3d12_page;
+struct d3d12_page {
+  ID3D12DescriptorHeap *heap;
+  uint32_t size, taken;
+  d3d12_page *next; /* a smaller one, which is full */
+};
+
+/* What bindings have of a page: as many descriptors as their program's shape needs. */
+typedef struct d3d12_block d3d12_block;
+struct d3d12_block {
+  const d3d12_page *page;
+  uint32_t first, size;
+  d3d12_block *next; /* a free one of the same size */
+};
+
 struct gpu_bindings {
-  gpu_bindings_info info; /* without name and program */
+  gpu_bindings_info info; /* name and program are NULL: neither need live as long */
   uint32_t constants_count, texture_count, buffer_count, store_image_count, store_buffer_count;
-  bool has_table;
-  uint32_t block;
+  d3d12_block *block; /* NULL: no table */
   D3D12_GPU_DESCRIPTOR_HANDLE table;
 };
 
@@ -144,13 +155,12 @@ struct gpu_device {
   d3d12_slot slots[D3D12_MAX_SLOTS];
   uint32_t slot_count;
 
-  /* Shader-visible descriptors in blocks, and a stack of the free ones */
-  ID3D12DescriptorHeap *descriptors;
+  /* Shader-visible descriptors: a list, of which the first has room; and free blocks by size */
+  d3d12_page *pages;
+  d3d12_block *free_blocks[D3D12_MAX_BLOCK + 1];
   uint32_t descriptor_size;
-  uint32_t free_block_count;
-  uint16_t free_blocks[D3D12_BINDING_BLOCKS];
 
-  ID3D12CommandSignature *commands[D3D12_COMMANDS];
+  ID3D12CommandSignature *command_signatures[D3D12_COMMANDS];
 
   /* D3D12_FILL_PARTS of texels, to clear depths by copies where the CPU is the device; else NULL */
   gpu_buffer *fill;
@@ -169,7 +179,7 @@ struct gpu_device {
   gpu_buffer *used_buffers; /* lists */
   gpu_image *used_images;
   const gpu_target *target;
-  bool descriptors_set;
+  const ID3D12DescriptorHeap *heap; /* csm's that is set in the list; NULL: none */
   d3d12_bound bound;
 };
 
@@ -216,7 +226,8 @@ void d3d12_own_close(gpu_device *device);                                   /* w
 
 /* ---- engine.c: an engine's device, images and buffers ---- */
 csm_result d3d12_engine_take(gpu_device *device, const void *native); /* csm_d3d12_device; checks it */
-csm_result d3d12_image_import(gpu_device *device, const void *native, gpu_image **out, gpu_imported *about);
+csm_result d3d12_image_import(gpu_device *device, const void *native, gpu_texels texels, gpu_image **out,
+                              gpu_imported *about);
 csm_result d3d12_geometry_import(gpu_device *device, const void *native, gpu_geometry *out);
 
 /* ---- memory.c ---- */
@@ -255,7 +266,7 @@ D3D12_CPU_DESCRIPTOR_HANDLE d3d12_depth_view(gpu_device *device, ID3D12Descripto
 
 /* ---- program.c ---- */
 D3D12_STATIC_SAMPLER_DESC d3d12_sampler(const gpu_device *device, gpu_sampler sampler, uint32_t shader_register);
-csm_result d3d12_commands_create(gpu_device *device);
+csm_result d3d12_command_signatures_create(gpu_device *device);
 csm_result d3d12_program_create(gpu_device *device, const gpu_program_info *info, gpu_program **out);
 void d3d12_program_destroy(gpu_device *device, gpu_program *program);
 
@@ -263,7 +274,9 @@ void d3d12_program_destroy(gpu_device *device, gpu_program *program);
 csm_result d3d12_pipeline_create(gpu_device *device, gpu_program *program, const gpu_program_info *info);
 
 /* ---- bindings.c ---- */
+/* The first page, and in the end all of them. */
 csm_result d3d12_descriptors_create(gpu_device *device);
+void d3d12_descriptors_destroy(gpu_device *device);
 csm_result d3d12_signature_create(gpu_device *device, gpu_program *program, const gpu_program_info *info);
 csm_result d3d12_bindings_create(gpu_device *device, const gpu_bindings_info *info, gpu_bindings **out);
 void d3d12_bindings_write(gpu_device *device, gpu_bindings *bindings, const gpu_bindings_info *info);
@@ -321,8 +334,8 @@ void d3d12_pass_begin(gpu_device *device, const gpu_pass_info *info);
 void d3d12_pass_area(gpu_device *device, const gpu_rect *area);
 void d3d12_pass_end(gpu_device *device);
 void d3d12_pass_program(gpu_device *device, gpu_program *program);
-/* Sets csm's descriptors, where the list has not got them. */
-void d3d12_set_descriptors(gpu_device *device);
+/* Sets the heap that bindings lie in, where the list has another. */
+void d3d12_set_heap(gpu_device *device, const gpu_bindings *bindings);
 void d3d12_pass_bind(gpu_device *device, gpu_bindings *bindings, const uint32_t *offsets);
 void d3d12_pass_draw(gpu_device *device, const gpu_draw *draw);
 void d3d12_pass_native(gpu_device *device, gpu_native_pass *out);

@@ -25,14 +25,16 @@ static csm_result create_committed(gpu_device *device, D3D12_HEAP_TYPE heap, con
 static csm_result create_placed(gpu_device *device, const csm_d3d12_memory_request *request,
                                 const D3D12_RESOURCE_DESC *description, D3D12_RESOURCE_STATES state,
                                 d3d12_resource *out) {
-  const csm_result result =
-      d3d12_check(device, device->allocate_memory(device->memory_user, request, &out->memory), "allocate_memory");
+  const csm_result result = d3d12_check(device, device->allocate_memory(device->memory_user, request, &out->memory),
+                                        "the engine's allocate_memory");
   if (result != CSM_SUCCESS) {
     out->memory = (csm_d3d12_memory){0};
     return result;
   }
   if (!out->memory.heap)
-    return d3d12_fail(device, CSM_ERROR_OUT_OF_DEVICE_MEMORY, "allocate_memory: heap is NULL");
+    return d3d12_fail(device, CSM_ERROR_OUT_OF_DEVICE_MEMORY, "the engine's allocate_memory: heap is NULL");
+  if (out->memory.offset % request->alignment)
+    return d3d12_fail(device, CSM_ERROR_DEVICE, "the engine's allocate_memory: offset is no multiple of the alignment");
   return d3d12_check(device,
                      ID3D12Device_CreatePlacedResource(device->handle, out->memory.heap, out->memory.offset,
                                                        description, state, NULL, &IID_ID3D12Resource,

@@ -12,35 +12,53 @@ static D3D12_RECT native_rect(const gpu_rect *rect) {
 
 /* Clears by copies what is cheaper to clear so. */
 static void fill_depth(gpu_device *device, const gpu_pass_info *info, const gpu_rect *area) {
-  const gpu_target *target = info->target;
-  const gpu_region region = {.layer = target->depth_range.first_layer,
+  const d3d12_attachment *depth = &info->target->depth;
+  const gpu_region region = {.layer = depth->range.first_layer,
                              .x = area->x,
                              .y = area->y,
                              .width = area->width,
                              .height = area->height,
-                             .level = target->depth_range.first_level};
-  d3d12_image_use(device, target->depth, &target->depth_range, D3D12_RESOURCE_STATE_COPY_DEST);
+                             .level = depth->range.first_level};
+  d3d12_image_use(device, depth->image, &depth->range, D3D12_RESOURCE_STATE_COPY_DEST);
   d3d12_flush_barriers(device);
-  d3d12_fill_depth(device, target->depth, &region, info->clear_depth);
+  d3d12_fill_depth(device, depth->image, &region, info->clear_depth);
+}
+
+/* Takes an attachment into the state for drawing. What was never used, or is not kept anywhere, is discarded: a target
+   in the engine's memory must begin so. An image leaves COMMON with its first use for good. */
+static void use_attachment(gpu_device *device, const d3d12_attachment *attachment, bool discards,
+                           D3D12_RESOURCE_STATES state) {
+  const gpu_range *range = &attachment->range;
+  if (!attachment->image)
+    return;
+  const uint32_t subresource = range->first_level + range->first_layer * attachment->image->level_count;
+  const bool fresh = attachment->image->states[subresource] == D3D12_RESOURCE_STATE_COMMON;
+  d3d12_image_use(device, attachment->image, range, state);
+  if (!device->traits->discards || !(fresh || discards))
+    return;
+  const D3D12_DISCARD_REGION region = {.FirstSubresource = subresource, .NumSubresources = 1};
+  d3d12_flush_barriers(device);
+  ID3D12GraphicsCommandList_DiscardResource(device->list, attachment->image->resource.handle, &region);
 }
 
 void d3d12_pass_begin(gpu_device *device, const gpu_pass_info *info) {
-  gpu_target *target = info->target;
-  const gpu_rect area = info->area.width ? info->area : (gpu_rect){.width = target->width, .height = target->height};
+  const gpu_target *target = info->target;
+  const bool whole = !info->area.width || (info->area.width == target->width && info->area.height == target->height);
+  const gpu_rect area = whole ? (gpu_rect){.width = target->width, .height = target->height} : info->area;
   const D3D12_RECT rect = native_rect(&area);
-  const bool clears_depth = target->depth && info->depth_load == GPU_LOAD_CLEAR;
+  const bool clears_depth = target->depth.image && info->depth_load == GPU_LOAD_CLEAR;
   const bool fills_depth = clears_depth && d3d12_clears_by_copies(device, info->clear_depth);
   D3D12_CPU_DESCRIPTOR_HANDLE depth = {0}, color = {0};
   if (fills_depth)
     fill_depth(device, info, &area);
-  if (target->depth) {
-    d3d12_image_use(device, target->depth, &target->depth_range, D3D12_RESOURCE_STATE_DEPTH_WRITE);
-    depth = d3d12_depth_view(device, target->depth_heap, 0);
-  }
-  if (target->color) {
-    d3d12_image_use(device, target->color, &target->color_range, D3D12_RESOURCE_STATE_RENDER_TARGET);
-    color = ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(target->color_heap);
-  }
+  use_attachment(device, &target->depth, whole && info->depth_load == GPU_LOAD_DISCARD,
+                 D3D12_RESOURCE_STATE_DEPTH_WRITE);
+  use_attachment(device, &target->color, whole && info->color_load == GPU_LOAD_DISCARD,
+                 D3D12_RESOURCE_STATE_RENDER_TARGET);
+  if (target->depth.image)
+    depth = d3d12_depth_view(device, target->depth.heap, 0);
+  if (target->color.image)
+    color = ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(target->color.heap);
   d3d12_settle_buffers(device);
   if (info->stores)
     d3d12_use_stores(device, info->stores);
@@ -48,11 +66,12 @@ void d3d12_pass_begin(gpu_device *device, const gpu_pass_info *info) {
   if (clears_depth && !fills_depth)
     ID3D12GraphicsCommandList_ClearDepthStencilView(device->list, depth, D3D12_CLEAR_FLAG_DEPTH, info->clear_depth, 0,
                                                     1, &rect);
-  if (target->color && info->color_load == GPU_LOAD_CLEAR)
+  if (target->color.image && info->color_load == GPU_LOAD_CLEAR)
     ID3D12GraphicsCommandList_ClearRenderTargetView(device->list, color, info->clear_color, 1, &rect);
   device->target = target;
-  ID3D12GraphicsCommandList_OMSetRenderTargets(device->list, target->color ? 1 : 0, target->color ? &color : NULL,
-                                               FALSE, target->depth ? &depth : NULL);
+  ID3D12GraphicsCommandList_OMSetRenderTargets(device->list, target->color.image ? 1 : 0,
+                                               target->color.image ? &color : NULL, FALSE,
+                                               target->depth.image ? &depth : NULL);
   d3d12_pass_area(device, &area);
 }
 
@@ -80,10 +99,11 @@ void d3d12_pass_program(gpu_device *device, gpu_program *program) {
   device->bound = (d3d12_bound){.program = program};
 }
 
-void d3d12_set_descriptors(gpu_device *device) {
-  if (!device->descriptors_set)
-    ID3D12GraphicsCommandList_SetDescriptorHeaps(device->list, 1, &device->descriptors);
-  device->descriptors_set = true;
+void d3d12_set_heap(gpu_device *device, const gpu_bindings *bindings) {
+  ID3D12DescriptorHeap *heap = bindings->block->page->heap;
+  if (device->heap != heap)
+    ID3D12GraphicsCommandList_SetDescriptorHeaps(device->list, 1, &heap);
+  device->heap = heap;
 }
 
 void d3d12_pass_bind(gpu_device *device, gpu_bindings *bindings, const uint32_t *offsets) {
@@ -92,25 +112,25 @@ void d3d12_pass_bind(gpu_device *device, gpu_bindings *bindings, const uint32_t 
                                                                 bindings->info.constants[i]->address + offsets[i]);
   for (uint32_t i = 0; i < bindings->buffer_count; i++)
     d3d12_buffer_use_read(device, bindings->info.buffers[i].buffer, D3D12_STATE_READABLE);
-  if (!bindings->has_table)
+  if (!bindings->block)
     return;
-  d3d12_set_descriptors(device);
+  d3d12_set_heap(device, bindings);
   ID3D12GraphicsCommandList_SetGraphicsRootDescriptorTable(device->list, bindings->constants_count, bindings->table);
 }
 
 void d3d12_pass_native(gpu_device *device, gpu_native_pass *out) {
   const gpu_target *target = device->target;
   *out = (gpu_native_pass){.command_buffer = device->list};
-  if (target->depth)
-    out->depth_view = d3d12_depth_view(device, target->depth_heap, 0).ptr;
-  d3d12_target_native(device, target->depth ? target->depth->format : GPU_FORMAT_NONE,
-                      target->color ? target->color->format : GPU_FORMAT_NONE, &out->target);
-  device->descriptors_set = false; /* the engine sets its own */
+  if (target->depth.image)
+    out->depth_view = d3d12_depth_view(device, target->depth.heap, 0).ptr;
+  d3d12_target_native(device, target->depth.image ? target->depth.image->format : GPU_FORMAT_NONE,
+                      target->color.image ? target->color.image->format : GPU_FORMAT_NONE, &out->target);
+  device->heap = NULL; /* the engine sets its own */
 }
 
 /* ---- draws ---- */
 
-/* Views hold 32-bit sizes; what lies beyond is out of reach of 32-bit indices of the caller's. */
+/* Views hold 32-bit sizes. What lies beyond 4 GiB of a buffer cannot be drawn. */
 static UINT view_size(const gpu_buffer *buffer, uint64_t offset) {
   const uint64_t size = buffer->size - offset;
   return size < UINT32_MAX ? (UINT)size : UINT32_MAX;
@@ -148,8 +168,8 @@ static void draw_indirect(gpu_device *device, const gpu_draw *draw) {
     bind_indices(device, draw->indices, draw->index_size);
   d3d12_buffer_use_read(device, draw->arguments, D3D12_RESOURCE_STATE_INDIRECT_ARGUMENT);
   ID3D12GraphicsCommandList_ExecuteIndirect(device->list,
-                                            device->commands[draw->indices ? D3D12_DRAW_INDEXED : D3D12_DRAW], 1,
-                                            draw->arguments->resource.handle, draw->arguments_offset, NULL, 0);
+                                            device->command_signatures[draw->indices ? D3D12_DRAW_INDEXED : D3D12_DRAW],
+                                            1, draw->arguments->resource.handle, draw->arguments_offset, NULL, 0);
 }
 
 void d3d12_pass_draw(gpu_device *device, const gpu_draw *draw) {

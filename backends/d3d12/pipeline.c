@@ -1,7 +1,7 @@
 /* pipeline.c: the pipelines of programs that draw and of programs that compute. */
 #include "internal.h"
 
-static void fill_input(const gpu_program_info *info, D3D12_INPUT_ELEMENT_DESC *elements) {
+static void describe_vertices(const gpu_program_info *info, D3D12_INPUT_ELEMENT_DESC *elements) {
   for (uint32_t i = 0; i < info->attribute_count; i++) {
     const gpu_attribute *attribute = &info->attributes[i];
     const bool per_instance = info->streams[attribute->stream].per_instance;
@@ -18,21 +18,12 @@ static void fill_input(const gpu_program_info *info, D3D12_INPUT_ELEMENT_DESC *e
   }
 }
 
-static D3D12_CULL_MODE cull_mode(gpu_cull cull) {
-  switch (cull) {
-  case GPU_CULL_BACK:
-    return D3D12_CULL_MODE_BACK;
-  case GPU_CULL_FRONT:
-    return D3D12_CULL_MODE_FRONT;
-  case GPU_CULL_NONE:
-    break;
-  }
-  return D3D12_CULL_MODE_NONE;
-}
-
-static D3D12_RASTERIZER_DESC rasterizer_state(const gpu_program_info *info) {
+static D3D12_RASTERIZER_DESC raster_of(const gpu_program_info *info) {
+  static const D3D12_CULL_MODE culls[] = {[GPU_CULL_NONE] = D3D12_CULL_MODE_NONE,
+                                          [GPU_CULL_BACK] = D3D12_CULL_MODE_BACK,
+                                          [GPU_CULL_FRONT] = D3D12_CULL_MODE_FRONT};
   return (D3D12_RASTERIZER_DESC){.FillMode = D3D12_FILL_MODE_SOLID,
-                                 .CullMode = cull_mode(info->cull),
+                                 .CullMode = culls[info->cull],
                                  .FrontCounterClockwise = TRUE,
                                  .DepthBias = info->raster_bias.constant,
                                  .DepthBiasClamp = info->raster_bias.clamp,
@@ -40,8 +31,8 @@ static D3D12_RASTERIZER_DESC rasterizer_state(const gpu_program_info *info) {
                                  .DepthClipEnable = info->depth_clip};
 }
 
-static D3D12_DEPTH_STENCIL_DESC depth_state(gpu_compare compare) {
-  static const D3D12_COMPARISON_FUNC functions[] = {
+static D3D12_DEPTH_STENCIL_DESC depth_of(const gpu_program_info *info) {
+  static const D3D12_COMPARISON_FUNC compares[] = {
       [GPU_COMPARE_NONE] = D3D12_COMPARISON_FUNC_ALWAYS,
       [GPU_COMPARE_LESS] = D3D12_COMPARISON_FUNC_LESS,
       [GPU_COMPARE_GREATER] = D3D12_COMPARISON_FUNC_GREATER,
@@ -51,18 +42,18 @@ static D3D12_DEPTH_STENCIL_DESC depth_state(gpu_compare compare) {
                                            .StencilDepthFailOp = D3D12_STENCIL_OP_KEEP,
                                            .StencilPassOp = D3D12_STENCIL_OP_KEEP,
                                            .StencilFunc = D3D12_COMPARISON_FUNC_ALWAYS};
-  const bool enabled = compare != GPU_COMPARE_NONE;
+  const bool enabled = info->depth_compare != GPU_COMPARE_NONE;
   return (D3D12_DEPTH_STENCIL_DESC){.DepthEnable = enabled,
                                     .DepthWriteMask =
                                         enabled ? D3D12_DEPTH_WRITE_MASK_ALL : D3D12_DEPTH_WRITE_MASK_ZERO,
-                                    .DepthFunc = functions[compare],
+                                    .DepthFunc = compares[info->depth_compare],
                                     .FrontFace = keep,
                                     .BackFace = keep};
 }
 
 static csm_result drawing_create(gpu_device *device, gpu_program *program, const gpu_program_info *info) {
   D3D12_INPUT_ELEMENT_DESC elements[GPU_MAX_ATTRIBUTES];
-  fill_input(info, elements);
+  describe_vertices(info, elements);
   const D3D12_GRAPHICS_PIPELINE_STATE_DESC pipeline = {
       .pRootSignature = program->signature,
       .VS = {.pShaderBytecode = info->vertex.dxbc, .BytecodeLength = info->vertex.dxbc_size},
@@ -77,8 +68,8 @@ static csm_result drawing_create(gpu_device *device, gpu_program *program, const
                                        .LogicOp = D3D12_LOGIC_OP_NOOP,
                                        .RenderTargetWriteMask = D3D12_COLOR_WRITE_ENABLE_ALL}}},
       .SampleMask = ~0u,
-      .RasterizerState = rasterizer_state(info),
-      .DepthStencilState = depth_state(info->depth_compare),
+      .RasterizerState = raster_of(info),
+      .DepthStencilState = depth_of(info),
       .InputLayout = {.pInputElementDescs = elements, .NumElements = info->attribute_count},
       .PrimitiveTopologyType = D3D12_PRIMITIVE_TOPOLOGY_TYPE_TRIANGLE,
       .NumRenderTargets = info->color_format != GPU_FORMAT_NONE,

@@ -29,7 +29,7 @@ D3D12_STATIC_SAMPLER_DESC d3d12_sampler(const gpu_device *device, gpu_sampler sa
 
 /* ---- indirect arguments ---- */
 
-csm_result d3d12_commands_create(gpu_device *device) {
+csm_result d3d12_command_signatures_create(gpu_device *device) {
   static const struct {
     D3D12_INDIRECT_ARGUMENT_TYPE type;
     uint32_t size;
@@ -46,7 +46,7 @@ csm_result d3d12_commands_create(gpu_device *device) {
     result =
         d3d12_check(device,
                     ID3D12Device_CreateCommandSignature(device->handle, &signature, NULL, &IID_ID3D12CommandSignature,
-                                                        (void **)&device->commands[i]),
+                                                        (void **)&device->command_signatures[i]),
                     "CreateCommandSignature");
   }
   return result;

@@ -155,9 +155,9 @@ static void bind_compute(gpu_device *device, const gpu_bindings *bindings, const
   for (uint32_t i = 0; i < bindings->constants_count; i++)
     ID3D12GraphicsCommandList_SetComputeRootConstantBufferView(device->list, i,
                                                                bindings->info.constants[i]->address + offsets[i]);
-  if (!bindings->has_table)
+  if (!bindings->block)
     return;
-  d3d12_set_descriptors(device);
+  d3d12_set_heap(device, bindings);
   ID3D12GraphicsCommandList_SetComputeRootDescriptorTable(device->list, bindings->constants_count, bindings->table);
 }
 
@@ -172,7 +172,7 @@ void d3d12_dispatch(gpu_device *device, const gpu_dispatch_info *info) {
   if (info->bindings)
     bind_compute(device, info->bindings, info->offsets);
   if (info->arguments)
-    ID3D12GraphicsCommandList_ExecuteIndirect(device->list, device->commands[D3D12_DISPATCH], 1,
+    ID3D12GraphicsCommandList_ExecuteIndirect(device->list, device->command_signatures[D3D12_DISPATCH], 1,
                                               info->arguments->resource.handle, info->arguments_offset, NULL, 0);
   else
     ID3D12GraphicsCommandList_Dispatch(device->list, info->groups[0], info->groups[1], info->groups[2]);

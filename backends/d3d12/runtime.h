@@ -6,13 +6,8 @@
 #ifndef D3D12_RUNTIME_H
 #define D3D12_RUNTIME_H
 
-#define COBJMACROS
-#define WIDL_C_INLINE_WRAPPERS
-#include <vkd3d_windows.h>
-/* after the types that it uses */
-#include <vkd3d_d3d12.h>
-
 #include "../gpu.h"
+#include "headers.h"
 
 /* Libraries, and the adapter chosen in them. */
 typedef struct d3d12_runtime d3d12_runtime;
@@ -23,6 +18,8 @@ typedef struct d3d12_traits {
   bool self_barriers; /* two writes in one state are ordered by a barrier from it to itself; else by themselves */
   bool partial_depth_copies; /* a part of a layer of depths may be copied */
   bool markers;              /* events in a command list are seen by someone */
+  bool discards;             /* DiscardResource does what it says; else nothing needs it */
+  bool nameless_loss;        /* a lost device has no HRESULT of its own: a signal that fails in any way tells of it */
 } d3d12_traits;
 
 const d3d12_traits *d3d12_runtime_traits(void);

@@ -8,6 +8,7 @@
 #include <vkd3d.h>
 
 #include "../choose.h"
+#include "../physical.h"
 #include "internal.h"
 
 #include <dlfcn.h>
@@ -44,7 +45,8 @@ struct d3d12_runtime {
   fence_event event;
 };
 
-/* vkd3d's markers do nothing but print a line for every call. */
+/* vkd3d's markers and discards do nothing but print a line for every call. Its signals answer E_FAIL where the device is
+   lost, and fail for no other reason. */
 const d3d12_traits *d3d12_runtime_traits(void) {
   static const char *const run_time[] = {"an ID3D12Device of the process's libvkd3d.so.1",
                                          "its D3D12SerializeRootSignature", NULL};
@@ -53,6 +55,8 @@ const d3d12_traits *d3d12_runtime_traits(void) {
       .self_barriers = true,
       .partial_depth_copies = true,
       .markers = false,
+      .discards = false,
+      .nameless_loss = true,
   };
   return &traits;
 }
@@ -104,9 +108,9 @@ static PFN_vkVoidFunction instance_function(const d3d12_runtime *runtime, const 
 /* ---- validation ---- */
 
 /*
- * vkd3d enables no layers, but for those that the process's environment names. It does take a vkGetInstanceProcAddr.
- * The one below has a vkCreateInstance that adds the layer, so nothing outside this device changes. Its functions get
- * no pointer of the caller's: they look the loader up by name, and the run time keeps it open.
+ * vkd3d enables layers only by environment variables. But it takes a vkGetInstanceProcAddr, and this one hands out a
+ * vkCreateInstance that adds the layer, so the process's environment stays as it is. These functions get no user
+ * pointer, so they look the loader up by name; the run time keeps it open.
  */
 static PFN_vkVoidFunction loader_function(VkInstance instance, const char *name) {
   void *library = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD);
@@ -126,12 +130,26 @@ static bool lists(const char *const *names, uint32_t count, const char *name) {
   return false;
 }
 
+/* Whether the layer can be told what to validate. */
+static bool has_validation_features(PFN_vkEnumerateInstanceExtensionProperties enumerate) {
+  VkExtensionProperties extensions[64];
+  uint32_t count = sizeof extensions / sizeof *extensions;
+  if (!enumerate || enumerate(VALIDATION_LAYER, &count, extensions) < 0)
+    return false;
+  for (uint32_t i = 0; i < count; i++)
+    if (strcmp(extensions[i].extensionName, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME) == 0)
+      return true;
+  return false;
+}
+
 static VKAPI_ATTR VkResult VKAPI_CALL create_validated_instance(const VkInstanceCreateInfo *asked,
                                                                 const VkAllocationCallbacks *allocator,
                                                                 VkInstance *out) {
   static const char *const added[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
   static const VkValidationFeatureEnableEXT enabled = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
-  const uint32_t added_count = sizeof added / sizeof *added;
+  const bool has_features = has_validation_features(
+      (PFN_vkEnumerateInstanceExtensionProperties)loader_function(NULL, "vkEnumerateInstanceExtensionProperties"));
+  const uint32_t added_count = has_features ? 2 : 1;
   const PFN_vkCreateInstance create = (PFN_vkCreateInstance)loader_function(NULL, "vkCreateInstance");
   const char **extensions = malloc((asked->enabledExtensionCount + added_count) * sizeof *extensions);
   if (!create || !extensions) {
@@ -153,7 +171,7 @@ static VKAPI_ATTR VkResult VKAPI_CALL create_validated_instance(const VkInstance
       .pEnabledValidationFeatures = &enabled,
   };
   VkInstanceCreateInfo info = *asked;
-  info.pNext = &features;
+  info.pNext = has_features ? &features : asked->pNext;
   info.enabledLayerCount = 1;
   info.ppEnabledLayerNames = layers;
   info.enabledExtensionCount = count;
@@ -188,13 +206,7 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL log_message(VkDebugUtilsMessageSeverityFla
                                                   const VkDebugUtilsMessengerCallbackDataEXT *data, void *user) {
   (void)types;
   const gpu_device *device = user;
-  char text[2048];
-  size_t length = 0;
-  for (const char *c = data->pMessage; *c && length + 1 < sizeof text; c++)
-    text[length++] = *c == '\n' ? ' ' : *c;
-  text[length] = 0;
-  const int32_t level = severity >= VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT ? CSM_LOG_ERROR : CSM_LOG_WARNING;
-  device->host.log(device->host.user, level, text);
+  physical_log(&device->host, severity, data->pMessage);
   return VK_FALSE;
 }
 
@@ -268,6 +280,9 @@ static csm_result create_instance(gpu_device *device, d3d12_runtime *runtime, bo
   const bool validate = asked && has_validation_layer(runtime);
   if (asked && !validate)
     device->host.log(device->host.user, CSM_LOG_WARNING, VALIDATION_LAYER " is not installed: nothing is validated");
+  if (validate && !has_validation_features((PFN_vkEnumerateInstanceExtensionProperties)instance_function(
+                      runtime, "vkEnumerateInstanceExtensionProperties")))
+    device->host.log(device->host.user, CSM_LOG_WARNING, VALIDATION_LAYER " is too old to validate synchronization");
 
   const struct vkd3d_application_info application = {
       .type = VKD3D_STRUCTURE_TYPE_APPLICATION_INFO,
@@ -294,42 +309,44 @@ static csm_result create_instance(gpu_device *device, d3d12_runtime *runtime, bo
 
 /* ---- the adapter ---- */
 
-static gpu_device_type device_type(VkPhysicalDeviceType type) {
-  switch (type) {
-  case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
-    return GPU_DEVICE_INTEGRATED;
-  case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
-    return GPU_DEVICE_DISCRETE;
-  case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
-    return GPU_DEVICE_VIRTUAL;
-  case VK_PHYSICAL_DEVICE_TYPE_CPU:
-    return GPU_DEVICE_CPU;
-  default:
-    return GPU_DEVICE_OTHER;
-  }
+/* What a device lacks that csm cannot do without; NULL if nothing. */
+static const char *missing(const d3d12_runtime *runtime, VkPhysicalDevice physical,
+                           const VkPhysicalDeviceProperties *properties) {
+  const PFN_vkGetPhysicalDeviceFeatures get_features =
+      (PFN_vkGetPhysicalDeviceFeatures)instance_function(runtime, "vkGetPhysicalDeviceFeatures");
+  const PFN_vkGetPhysicalDeviceFormatProperties get_format =
+      (PFN_vkGetPhysicalDeviceFormatProperties)instance_function(runtime, "vkGetPhysicalDeviceFormatProperties");
+  VkPhysicalDeviceFeatures features;
+  VkFormatProperties depth;
+  get_features(physical, &features);
+  get_format(physical, VK_FORMAT_D32_SFLOAT, &depth);
+  return physical_lacks(properties, &features, &depth);
 }
 
-/* Takes the first of the best type among those whose name contains the one asked for. */
 static csm_result select_physical(gpu_device *device, d3d12_runtime *runtime, const char *name) {
   const PFN_vkEnumeratePhysicalDevices enumerate =
       (PFN_vkEnumeratePhysicalDevices)instance_function(runtime, "vkEnumeratePhysicalDevices");
   const PFN_vkGetPhysicalDeviceProperties get_properties =
       (PFN_vkGetPhysicalDeviceProperties)instance_function(runtime, "vkGetPhysicalDeviceProperties");
   VkPhysicalDevice list[32];
-  uint32_t count = sizeof list / sizeof *list, best = 0;
+  uint32_t count = sizeof list / sizeof *list;
+  choose_choice choice = {.part = name};
+  char refusal[512];
   if (enumerate(runtime->vk_instance, &count, list) < 0 || count == 0)
     return d3d12_fail(device, CSM_ERROR_NO_DEVICE, "no Vulkan device for vkd3d was found");
   for (uint32_t i = 0; i < count; i++) {
     VkPhysicalDeviceProperties properties;
     get_properties(list[i], &properties);
-    const uint32_t rank = choose_rank(device_type(properties.deviceType));
-    if (!choose_fits(properties.deviceName, name) || rank <= best)
-      continue;
-    best = rank;
-    runtime->physical = list[i];
+    const choose_candidate candidate = {.name = properties.deviceName,
+                                        .type = physical_type(properties.deviceType),
+                                        .lacks = missing(runtime, list[i], &properties)};
+    if (choose_offer(&choice, &candidate))
+      runtime->physical = list[i];
   }
-  return runtime->physical ? CSM_SUCCESS
-                           : d3d12_fail(device, CSM_ERROR_NO_DEVICE, "no device's name contains \"%s\"", name);
+  if (runtime->physical)
+    return CSM_SUCCESS;
+  choose_refusal(&choice, refusal, sizeof refusal);
+  return d3d12_fail(device, CSM_ERROR_NO_DEVICE, "%s", refusal);
 }
 
 /* ---- description ---- */
@@ -339,26 +356,6 @@ static const char *vkd3d_version(const d3d12_runtime *runtime) {
   const char *(*get_version)(unsigned int *major, unsigned int *minor);
   *(void **)&get_version = dlsym(runtime->vkd3d_library, "vkd3d_shader_get_version");
   return get_version ? get_version(NULL, NULL) : "vkd3d";
-}
-
-/* Images live in the largest heap of device memory: its index. */
-static uint32_t image_heap(const VkPhysicalDeviceMemoryProperties *memory) {
-  uint32_t best = 0;
-  uint64_t largest = 0;
-  for (uint32_t i = 0; i < memory->memoryHeapCount; i++)
-    if ((memory->memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) && memory->memoryHeaps[i].size > largest) {
-      best = i;
-      largest = memory->memoryHeaps[i].size;
-    }
-  return best;
-}
-
-static uint64_t memory_size(const d3d12_runtime *runtime) {
-  const PFN_vkGetPhysicalDeviceMemoryProperties get =
-      (PFN_vkGetPhysicalDeviceMemoryProperties)instance_function(runtime, "vkGetPhysicalDeviceMemoryProperties");
-  VkPhysicalDeviceMemoryProperties memory;
-  get(runtime->physical, &memory);
-  return memory.memoryHeaps[image_heap(&memory)].size;
 }
 
 static uint32_t minimum(uint32_t a, uint32_t b) {
@@ -375,22 +372,19 @@ static csm_result describe_sizes(gpu_device *device, const d3d12_runtime *runtim
   const PFN_vkGetPhysicalDeviceImageFormatProperties get =
       (PFN_vkGetPhysicalDeviceImageFormatProperties)instance_function(runtime,
                                                                       "vkGetPhysicalDeviceImageFormatProperties");
-  const VkImageUsageFlags usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
-                                  VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+  const PFN_vkGetPhysicalDeviceMemoryProperties get_memory =
+      (PFN_vkGetPhysicalDeviceMemoryProperties)instance_function(runtime, "vkGetPhysicalDeviceMemoryProperties");
   gpu_device_info *info = &device->info;
   VkImageFormatProperties depth;
-  if (get(runtime->physical, VK_FORMAT_D32_SFLOAT, VK_IMAGE_TYPE_2D, VK_IMAGE_TILING_OPTIMAL, usage, 0, &depth) !=
-      VK_SUCCESS)
+  VkPhysicalDeviceMemoryProperties memory;
+  if (get(runtime->physical, VK_FORMAT_D32_SFLOAT, VK_IMAGE_TYPE_2D, VK_IMAGE_TILING_OPTIMAL, physical_depth_usage, 0,
+          &depth) != VK_SUCCESS)
     return d3d12_fail(device, CSM_ERROR_NO_DEVICE, "%s has no D32_FLOAT images", info->name);
-  uint32_t size = minimum(limits->maxImageDimension2D, minimum(depth.maxExtent.width, depth.maxExtent.height));
-  size = minimum(size, minimum(limits->maxFramebufferWidth, limits->maxFramebufferHeight));
-  size = minimum(size, minimum(limits->maxViewportDimensions[0], limits->maxViewportDimensions[1]));
-  info->max_image_size = minimum(size, D3D12_REQ_TEXTURE2D_U_OR_V_DIMENSION);
-  info->max_image_layers =
-      minimum(minimum(limits->maxImageArrayLayers, depth.maxArrayLayers), D3D12_REQ_TEXTURE2D_ARRAY_AXIS_DIMENSION);
-  info->memory_size = memory_size(runtime);
-  info->max_buffer_size = minimum64(max_allocation, info->memory_size);
-  info->max_allocation_size = minimum64(info->max_buffer_size, depth.maxResourceSize);
+  get_memory(runtime->physical, &memory);
+  const physical_limits all = {.device = limits, .depth = &depth, .memory = &memory, .max_allocation = max_allocation};
+  physical_sizes(&all, info);
+  info->max_image_size = minimum(info->max_image_size, D3D12_REQ_TEXTURE2D_U_OR_V_DIMENSION);
+  info->max_image_layers = minimum(info->max_image_layers, D3D12_REQ_TEXTURE2D_ARRAY_AXIS_DIMENSION);
   return CSM_SUCCESS;
 }
 
@@ -460,7 +454,7 @@ static csm_result describe_physical(gpu_device *device, const d3d12_runtime *run
   get(runtime->physical, &all);
 
   gpu_device_info *info = &device->info;
-  info->type = device_type(all.properties.deviceType);
+  info->type = physical_type(all.properties.deviceType);
   d3d12_text(info->name, sizeof info->name, "%s", all.properties.deviceName);
   d3d12_text(info->driver, sizeof info->driver, "%s on %.96s %.96s", vkd3d_version(runtime), driver.driverName,
              driver.driverInfo);
@@ -497,7 +491,7 @@ uint64_t d3d12_runtime_memory_available(const d3d12_runtime *runtime) {
   VkPhysicalDeviceMemoryProperties2 memory = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_PROPERTIES_2,
                                               .pNext = &budget};
   get(runtime->physical, &memory);
-  const uint32_t heap = image_heap(&memory.memoryProperties);
+  const uint32_t heap = physical_image_heap(&memory.memoryProperties);
   return budget.heapBudget[heap] > budget.heapUsage[heap] ? budget.heapBudget[heap] - budget.heapUsage[heap] : 0;
 }
 

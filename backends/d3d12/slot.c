@@ -38,8 +38,7 @@ static csm_result fence_signal(gpu_device *device) {
     return CSM_SUCCESS;
   }
   const csm_result result = d3d12_check(device, hr, "Signal");
-  /* vkd3d has no name for a lost device: it answers E_FAIL, and a signal can fail for no other reason. */
-  return result == CSM_ERROR_DEVICE ? CSM_ERROR_DEVICE_LOST : result;
+  return result == CSM_ERROR_DEVICE && device->traits->nameless_loss ? CSM_ERROR_DEVICE_LOST : result;
 }
 
 csm_result d3d12_wait(gpu_device *device, uint32_t slot_index) {
@@ -80,7 +79,7 @@ csm_result d3d12_begin(gpu_device *device, const gpu_record_info *info) {
   device->slot = info->slot;
   device->list = device->own ? device->slots[info->slot].list : info->native;
   device->timestamps_begin = device->timestamps_end = 0;
-  device->descriptors_set = false;
+  device->heap = NULL;
   return CSM_SUCCESS;
 }
 

@@ -3,9 +3,9 @@
  * next command that needs them.
  *
  * Images that shaders read rest readable between recordings.
- * Buffers of the device's own memory rest in COMMON. They decay to it when a list has run, so it alone holds whether or
- * not the next recording is in the same list. Draws and dispatches promote them out of it without a barrier. vkd3d
- * knows neither decay nor promotion: there, the barriers that bring a buffer back order what follows.
+ * Buffers of the device's own memory rest in COMMON. When a list has run they decay to it; within a list `rest` brings
+ * them there. So the next use always starts from COMMON. Draws and dispatches promote them without a barrier. vkd3d
+ * does neither, and there the barriers to COMMON order what follows.
  */
 #include "internal.h"
 
@@ -32,8 +32,8 @@ static void add_transition(gpu_device *device, const d3d12_resource *resource, u
                                                        .StateAfter = after}});
 }
 
-/* Orders what shaders write after what they wrote, in all resources. vkd3d takes a barrier for one image for one of all
-   its levels, and not all need be written by shaders. */
+/* A UAV barrier for all resources. vkd3d turns one for a single image into a barrier of all its levels, and some may be
+   in another state. */
 static void add_store_barrier(gpu_device *device) {
   add(device, &(D3D12_RESOURCE_BARRIER){.Type = D3D12_RESOURCE_BARRIER_TYPE_UAV});
 }

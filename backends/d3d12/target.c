@@ -49,10 +49,8 @@ csm_result d3d12_target_create(gpu_device *device, const gpu_target_info *info, 
   gpu_target *target = d3d12_allocate(device, sizeof *target);
   if (!target)
     return CSM_ERROR_OUT_OF_MEMORY;
-  target->depth = info->depth;
-  target->depth_range = (gpu_range){info->depth_layer, 1, info->depth_level, 1};
-  target->color = info->color;
-  target->color_range = (gpu_range){info->color_layer, 1, info->color_level, 1};
+  target->depth = (d3d12_attachment){.image = info->depth, .range = {info->depth_layer, 1, info->depth_level, 1}};
+  target->color = (d3d12_attachment){.image = info->color, .range = {info->color_layer, 1, info->color_level, 1}};
   const gpu_image *image = info->depth ? info->depth : info->color;
   const uint32_t level = info->depth ? info->depth_level : info->color_level;
   target->width = gpu_level_size(image->width, level);
@@ -60,9 +58,9 @@ csm_result d3d12_target_create(gpu_device *device, const gpu_target_info *info, 
 
   csm_result result = CSM_SUCCESS;
   if (info->depth)
-    result = d3d12_depth_views_create(device, info->depth, target->depth_range, &target->depth_heap);
+    result = d3d12_depth_views_create(device, info->depth, target->depth.range, &target->depth.heap);
   if (info->color && result == CSM_SUCCESS)
-    result = color_view_create(device, info->color, target->color_range, &target->color_heap);
+    result = color_view_create(device, info->color, target->color.range, &target->color.heap);
   if (result == CSM_SUCCESS)
     *out = target;
   else
@@ -73,8 +71,8 @@ csm_result d3d12_target_create(gpu_device *device, const gpu_target_info *info, 
 void d3d12_target_destroy(gpu_device *device, gpu_target *target) {
   if (!target)
     return;
-  d3d12_unref(target->depth_heap);
-  d3d12_unref(target->color_heap);
+  d3d12_unref(target->depth.heap);
+  d3d12_unref(target->color.heap);
   d3d12_release(device, target);
 }
 

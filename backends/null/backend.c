@@ -22,6 +22,17 @@ bool null_require(gpu_device *device, bool kept, const char *rule) {
   return kept;
 }
 
+void null_use_now(const gpu_device *device, null_used *used) {
+  *used = device->serial;
+}
+
+void null_require_unused(gpu_device *device, null_used used, const char *rule) {
+  bool in_use = used && device->recording && used == device->serial;
+  for (uint32_t i = 0; i < device->slot_count; i++)
+    in_use |= used && used == device->slots[i].in_flight;
+  null_require(device, !in_use, rule);
+}
+
 void *null_make(gpu_device *device, size_t size) {
   void *memory = device->host.allocate(device->host.user, size, 64);
   if (memory)
@@ -93,7 +104,7 @@ static csm_result null_open(const gpu_open_info *info, gpu_device **out) {
   gpu_device *device = info->host->allocate(info->host->user, sizeof *device, 64);
   if (!device)
     return CSM_ERROR_OUT_OF_MEMORY;
-  *device = (gpu_device){.host = *info->host};
+  *device = (gpu_device){.host = *info->host, .slot_count = info->slots};
   *out = device;
   return CSM_SUCCESS;
 }

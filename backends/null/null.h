@@ -8,7 +8,7 @@
 
 #include "gpu.h"
 
-enum { NULL_NAME_SIZE = 64, NULL_OFFSET_ALIGNMENT = 256, NULL_PLACEMENT_ALIGNMENT = 512 };
+enum { NULL_MAX_SLOTS = 8, NULL_NAME_SIZE = 64, NULL_OFFSET_ALIGNMENT = 256, NULL_PLACEMENT_ALIGNMENT = 512 };
 
 /* How a {layer, level} is used, or was last. */
 typedef enum null_use { NULL_UNUSED, NULL_READABLE, NULL_TARGET, NULL_COPIED, NULL_STORED } null_use;
@@ -18,13 +18,18 @@ typedef struct null_piece {
   bool defined; /* it was written, and not discarded since */
 } null_piece;
 
+/* The recordings are numbered from 1; the last one that used an object, or 0. */
+typedef uint64_t null_used;
+
 struct gpu_buffer {
+  null_used used;
   char name[NULL_NAME_SIZE];
   gpu_buffer_info info;
   uint8_t *memory;
 };
 
 struct gpu_image {
+  null_used used;
   char name[NULL_NAME_SIZE];
   gpu_image_info info;
   gpu_image *next_touched; /* in the current recording */
@@ -33,29 +38,44 @@ struct gpu_image {
 };
 
 struct gpu_view {
+  null_used used;
   gpu_image *image;
   gpu_range range; /* without counts of 0 */
 };
 
 struct gpu_target {
+  null_used used;
   char name[NULL_NAME_SIZE];
   gpu_target_info info;
   uint32_t width, height;
 };
 
 struct gpu_program {
+  null_used used;
   char name[NULL_NAME_SIZE];
   gpu_program_info info;
 };
 
 struct gpu_bindings {
+  null_used used;
   char name[NULL_NAME_SIZE];
   gpu_bindings_info info;
 };
 
+/* A frame in flight. */
+typedef struct null_slot {
+  null_used in_flight; /* its last recording, until that is waited for */
+  uint64_t taken;      /* bit k: timestamp k of its frame */
+} null_slot;
+
 struct gpu_device {
   gpu_host host;
+  uint32_t slot_count;
+  null_slot slots[NULL_MAX_SLOTS];
   bool recording, in_pass, bound;
+  uint32_t slot; /* of the current recording, like the next */
+  uint32_t open_markers;
+  null_used serial;
   gpu_image *touched;
   /* of the pass that is open */
   gpu_pass_info pass;
@@ -67,6 +87,10 @@ struct gpu_device {
 __attribute__((format(printf, 2, 3))) void null_record(gpu_device *device, const char *format, ...);
 /* Tells of a breach unless the rule is kept; gives `kept` back. */
 bool null_require(gpu_device *device, bool kept, const char *rule);
+/* The current recording uses an object. */
+void null_use_now(const gpu_device *device, null_used *used);
+/* Tells of a breach if a recording that is open, or in flight, uses an object that is destroyed or written. */
+void null_require_unused(gpu_device *device, null_used used, const char *rule);
 void *null_make(gpu_device *device, size_t size); /* zeroed */
 void null_release(gpu_device *device, void *object);
 void null_set_name(char to[NULL_NAME_SIZE], const char *name);
@@ -90,7 +114,8 @@ void null_image_destroy(gpu_device *device, gpu_image *image);
 uint64_t null_image_bytes(const gpu_image *image);
 void null_image_native(const gpu_device *device, const gpu_image *image, gpu_native_image *out);
 void null_image_describe(gpu_device *device, const gpu_image *image, uint64_t descriptor);
-csm_result null_image_import(gpu_device *device, const void *native, gpu_image **out, gpu_imported *about);
+csm_result null_image_import(gpu_device *device, const void *native, gpu_texels texels, gpu_image **out,
+                             gpu_imported *about);
 csm_result null_geometry_import(gpu_device *device, const void *native, gpu_geometry *out);
 csm_result null_view_create(gpu_device *device, const gpu_view_info *info, gpu_view **out);
 void null_view_destroy(gpu_device *device, gpu_view *view);
@@ -131,6 +156,8 @@ void null_check_arguments(gpu_device *device, const gpu_buffer *buffer, uint64_t
 /* Offsets of constants, and where each reaches to. */
 void null_check_offsets(gpu_device *device, const gpu_bindings *bindings, const uint32_t *offsets);
 void null_touch(gpu_device *device, gpu_image *image);
+/* Bindings are used, and all that they bind. */
+void null_use_bindings(const gpu_device *device, gpu_bindings *bindings);
 
 /* ---- pass.c ---- */
 void null_pass_begin(gpu_device *device, const gpu_pass_info *info);

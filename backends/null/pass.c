@@ -98,6 +98,7 @@ void null_pass_begin(gpu_device *device, const gpu_pass_info *info) {
   const bool given = info->area.x || info->area.y || info->area.width || info->area.height;
   record_begin(device, info);
   null_require(device, device->recording && !device->in_pass, "pass_begin: not between begin and end, or in a pass");
+  null_use_now(device, &info->target->used);
   device->in_pass = true;
   device->pass = *info;
   device->area = given ? info->area : all;
@@ -129,6 +130,7 @@ void null_pass_end(gpu_device *device) {
 
 void null_pass_program(gpu_device *device, gpu_program *program) {
   null_record(device, "program %s", program->name);
+  null_use_now(device, &program->used);
   device->program = program;
   device->bound = false;
   if (!null_require(device, device->in_pass, "pass_program: no pass is open"))
@@ -177,6 +179,7 @@ void null_pass_bind(gpu_device *device, gpu_bindings *bindings, const uint32_t *
                     device->in_pass && device->program && null_same_shape(bindings->info.program, device->program),
                     "pass_bind: no pass is open, or bindings of a program of another shape"))
     return;
+  null_use_bindings(device, bindings);
   null_check_offsets(device, bindings, offsets);
   for (uint32_t i = 0; i < device->program->info.texture_count; i++) {
     const gpu_view view = null_texture(bindings, i);
@@ -187,14 +190,15 @@ void null_pass_bind(gpu_device *device, gpu_bindings *bindings, const uint32_t *
 
 /* ---- draws ---- */
 
-static void check_source(gpu_device *device, const gpu_buffer *buffer) {
+static void use_source(gpu_device *device, gpu_buffer *buffer) {
+  null_use_now(device, &buffer->used);
   null_require(device, buffer->info.kind != GPU_BUFFER_READBACK, "pass_draw: from a readback buffer");
   null_require(device, !stores_buffer(device->pass.stores, buffer),
                "pass_draw: it reads a buffer that the pass stores to");
 }
 
 static void check_indices(gpu_device *device, const gpu_draw *draw) {
-  check_source(device, draw->indices);
+  use_source(device, draw->indices);
   if (!null_require(device, draw->index_size == 2 || draw->index_size == 4, "pass_draw: index_size is not 2 or 4"))
     return;
   null_require(device, draw->index_offset % draw->index_size == 0,
@@ -209,7 +213,7 @@ static void check_counts(gpu_device *device, const gpu_draw *draw) {
     return;
   }
   const size_t bytes = draw->indices ? sizeof(gpu_indirect_indexed) : sizeof(gpu_indirect_draw);
-  check_source(device, draw->arguments);
+  use_source(device, draw->arguments);
   null_require(device, !draw->index_offset, "pass_draw: arguments beside an index_offset");
   null_check_arguments(device, draw->arguments, draw->arguments_offset, (uint32_t)(bytes / sizeof(uint32_t)),
                        "pass_draw: no arguments, or beyond their end");
@@ -230,7 +234,7 @@ static void check_draw(gpu_device *device, const gpu_draw *draw) {
             null_holds(draw->streams[i], draw->stream_offsets[i], (uint64_t)elements * program->streams[i].stride) &&
                 draw->stream_offsets[i] % 4 == 0,
             "pass_draw: a stream is missing, ends too early, or begins at no multiple of 4"))
-      check_source(device, draw->streams[i]);
+      use_source(device, draw->streams[i]);
   }
 }
 

@@ -66,14 +66,30 @@ csm_result null_program_create(gpu_device *device, const gpu_program_info *info,
 }
 
 void null_program_destroy(gpu_device *device, gpu_program *program) {
+  if (program)
+    null_require_unused(device, program->used, "program_destroy: a recording uses it");
   null_release(device, program);
 }
 
+static bool same_constants(const gpu_program_info *a, const gpu_program_info *b) {
+  bool same = a->constants_count == b->constants_count;
+  for (uint32_t i = 0; same && i < a->constants_count && i < GPU_MAX_CONSTANTS; i++)
+    same = a->constants_sizes[i] == b->constants_sizes[i];
+  return same;
+}
+
+static bool same_samplers(const gpu_program_info *a, const gpu_program_info *b) {
+  bool same = a->sampler_count == b->sampler_count;
+  for (uint32_t i = 0; same && i < a->sampler_count && i < GPU_MAX_SAMPLERS; i++)
+    same = a->samplers[i] == b->samplers[i];
+  return same;
+}
+
 bool null_same_shape(const gpu_program *a, const gpu_program *b) {
-  return !a->info.compute.spirv_size == !b->info.compute.spirv_size &&
-         a->info.constants_count == b->info.constants_count && a->info.texture_count == b->info.texture_count &&
-         a->info.buffer_count == b->info.buffer_count && a->info.store_image_count == b->info.store_image_count &&
-         a->info.store_buffer_count == b->info.store_buffer_count && a->info.sampler_count == b->info.sampler_count;
+  return !a->info.compute.spirv_size == !b->info.compute.spirv_size && same_constants(&a->info, &b->info) &&
+         a->info.texture_count == b->info.texture_count && a->info.buffer_count == b->info.buffer_count &&
+         a->info.store_image_count == b->info.store_image_count &&
+         a->info.store_buffer_count == b->info.store_buffer_count && same_samplers(&a->info, &b->info);
 }
 
 /* ---- bindings ---- */
@@ -127,6 +143,7 @@ static void check_images(gpu_device *device, const gpu_bindings *bindings) {
 
 void null_bindings_write(gpu_device *device, gpu_bindings *bindings, const gpu_bindings_info *info) {
   const gpu_program_info *program = &info->program->info;
+  null_require_unused(device, bindings->used, "bindings_write: a recording uses them");
   bindings->info = *info;
   for (uint32_t i = 0; i < program->constants_count; i++)
     null_require(device, info->constants[i] && info->constants[i]->info.kind == GPU_BUFFER_UPLOAD,
@@ -152,5 +169,7 @@ csm_result null_bindings_create(gpu_device *device, const gpu_bindings_info *inf
 }
 
 void null_bindings_destroy(gpu_device *device, gpu_bindings *bindings) {
+  if (bindings)
+    null_require_unused(device, bindings->used, "bindings_destroy: a recording uses it");
   null_release(device, bindings);
 }

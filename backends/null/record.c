@@ -10,11 +10,34 @@ static bool outside(gpu_device *device, const char *rule) {
 }
 
 void null_touch(gpu_device *device, gpu_image *image) {
+  null_use_now(device, &image->used);
   if (image->touched)
     return;
   image->touched = true;
   image->next_touched = device->touched;
   device->touched = image;
+}
+
+static void use_buffers(const gpu_device *device, const gpu_buffer_part *parts, uint32_t count) {
+  for (uint32_t i = 0; i < count; i++)
+    null_use_now(device, &parts[i].buffer->used);
+}
+
+void null_use_bindings(const gpu_device *device, gpu_bindings *bindings) {
+  const gpu_bindings_info *info = &bindings->info;
+  const gpu_program_info *program = &info->program->info;
+  null_use_now(device, &bindings->used);
+  for (uint32_t i = 0; i < program->constants_count; i++)
+    null_use_now(device, &info->constants[i]->used);
+  for (uint32_t i = 0; i < program->texture_count; i++) {
+    null_use_now(device, &null_texture(bindings, i).image->used);
+    if (info->texture_views[i])
+      null_use_now(device, &info->texture_views[i]->used);
+  }
+  for (uint32_t i = 0; i < program->store_image_count; i++)
+    null_use_now(device, &info->store_images[i]->used);
+  use_buffers(device, info->buffers, program->buffer_count);
+  use_buffers(device, info->store_buffers, program->store_buffer_count);
 }
 
 /* Takes a range into a use. `write`: it holds something from now on; else a breach is told if it does not. */
@@ -37,15 +60,24 @@ static void use_range(gpu_device *device, gpu_image *image, const gpu_range *ran
 csm_result null_begin(gpu_device *device, const gpu_record_info *info) {
   null_require(device, !device->recording && !info->native,
                "begin: already recording, or into an engine's command buffer");
-  device->recording = true;
   null_record(device, "begin %u%s", info->slot, info->first ? "" : ", again");
+  device->recording = true;
+  device->slot = null_require(device, info->slot < device->slot_count, "begin: no such slot") ? info->slot : 0;
+  device->serial++;
+  null_slot *slot = &device->slots[device->slot];
+  slot->in_flight = 0;
+  if (info->first)
+    slot->taken = 0;
   return CSM_SUCCESS;
 }
 
 csm_result null_end(gpu_device *device) {
   null_record(device, "end");
   outside(device, "end: not recording, or a pass is open");
+  null_require(device, !device->open_markers, "end: a marker is open");
+  device->open_markers = 0;
   device->recording = false;
+  device->slots[device->slot].in_flight = device->serial;
   for (gpu_image *image = device->touched; image; image = image->next_touched) {
     image->touched = false;
     for (uint32_t i = 0; i < image->info.layers * null_levels(image); i++)
@@ -57,29 +89,46 @@ csm_result null_end(gpu_device *device) {
 
 csm_result null_wait(gpu_device *device, uint32_t slot) {
   null_record(device, "wait %u", slot);
+  if (null_require(device, slot < device->slot_count, "wait: no such slot"))
+    device->slots[slot].in_flight = 0;
   return CSM_SUCCESS;
 }
 
+/* ---- timestamps and markers ---- */
+
 /* A millisecond from each to the next. */
 csm_result null_timestamps(gpu_device *device, uint32_t slot, uint32_t first, uint32_t count, uint64_t *nanoseconds) {
-  (void)device;
-  (void)slot;
-  for (uint32_t i = 0; i < count; i++)
+  null_require(device, slot < device->slot_count, "timestamps: no such slot");
+  for (uint32_t i = 0; i < count; i++) {
+    const bool taken =
+        slot < device->slot_count && first + i < GPU_MAX_TIMESTAMPS && (device->slots[slot].taken >> (first + i) & 1);
+    null_require(device, taken, "timestamps: one was not taken");
     nanoseconds[i] = (first + i) * 1000000ull;
+  }
   return CSM_SUCCESS;
 }
 
 void null_marker_begin(gpu_device *device, const char *name) {
   null_record(device, "marker_begin %s", name);
+  outside(device, "marker_begin: not between begin and end, or in a pass");
+  device->open_markers++;
 }
 
 void null_marker_end(gpu_device *device) {
   null_record(device, "marker_end");
+  outside(device, "marker_end: not between begin and end, or in a pass");
+  if (null_require(device, device->open_markers, "marker_end: no marker is open"))
+    device->open_markers--;
 }
 
 void null_timestamp(gpu_device *device, uint32_t index) {
-  null_require(device, index < GPU_MAX_TIMESTAMPS, "timestamp: no such index");
   null_record(device, "timestamp %u", index);
+  outside(device, "timestamp: not between begin and end, or in a pass");
+  if (!null_require(device, index < GPU_MAX_TIMESTAMPS, "timestamp: no such index"))
+    return;
+  uint64_t *taken = &device->slots[device->slot].taken;
+  null_require(device, !(*taken >> index & 1), "timestamp: taken before in this frame");
+  *taken |= 1ull << index;
 }
 
 /* ---- copies and clears ---- */
@@ -89,6 +138,8 @@ void null_copy_buffer(gpu_device *device, gpu_buffer *to, uint64_t to_offset, gp
   null_record(device, "copy_buffer %s %llu %s %llu %llu", to->name, (unsigned long long)to_offset, from->name,
               (unsigned long long)from_offset, (unsigned long long)size);
   outside(device, "copy_buffer: not between begin and end, or in a pass");
+  null_use_now(device, &to->used);
+  null_use_now(device, &from->used);
   null_require(device, to != from, "copy_buffer: from a buffer to itself");
   null_require(device, to->info.kind != GPU_BUFFER_UPLOAD && from->info.kind != GPU_BUFFER_READBACK,
                "copy_buffer: to an upload buffer, or from a readback buffer");
@@ -156,6 +207,7 @@ void null_copy_image(gpu_device *device, gpu_buffer *to, uint64_t offset, uint32
   null_record(device, "copy_image %s %llu %u %s %u %u %u %u %u %u", to->name, (unsigned long long)offset, row_bytes,
               image->name, from->layer, from->level, from->x, from->y, from->width, from->height);
   outside(device, "copy_image: not between begin and end, or in a pass");
+  null_use_now(device, &to->used);
   null_require(device, to->info.kind == GPU_BUFFER_READBACK, "copy_image: to no readback buffer");
   const bool there = check_region(device, &copy);
   memset(to->memory + (there ? offset : 0), 0, there ? check_rows(device, &copy) : 0);
@@ -170,6 +222,7 @@ void null_copy_to_image(gpu_device *device, gpu_image *image, const gpu_region *
   null_record(device, "copy_to_image %s %u %u %u %u %u %u %s %llu %u", image->name, to->layer, to->level, to->x, to->y,
               to->width, to->height, from->name, (unsigned long long)offset, row_bytes);
   outside(device, "copy_to_image: not between begin and end, or in a pass");
+  null_use_now(device, &from->used);
   null_require(device, from->info.kind == GPU_BUFFER_UPLOAD, "copy_to_image: from no upload buffer");
   if (!check_region(device, &copy))
     return;
@@ -254,6 +307,9 @@ void null_dispatch(gpu_device *device, const gpu_dispatch_info *info) {
   else
     null_record(device, "dispatch %s %u %u %u", info->program->name, info->groups[0], info->groups[1], info->groups[2]);
   outside(device, "dispatch: not between begin and end, or in a pass");
+  null_use_now(device, &info->program->used);
+  if (info->arguments)
+    null_use_now(device, &info->arguments->used);
   null_require(device, program->compute.spirv_size, "dispatch: the program draws");
   check_groups(device, info);
   const bool needs = program->constants_count + program->texture_count + program->buffer_count +
@@ -265,6 +321,7 @@ void null_dispatch(gpu_device *device, const gpu_dispatch_info *info) {
   if (!null_require(device, null_same_shape(info->bindings->info.program, info->program),
                     "dispatch: bindings of a program of another shape"))
     return;
+  null_use_bindings(device, info->bindings);
   null_check_offsets(device, info->bindings, info->offsets);
   use_bindings(device, info->bindings, info->arguments);
 }

@@ -72,8 +72,10 @@ csm_result null_buffer_create(gpu_device *device, const gpu_buffer_info *info, g
 }
 
 void null_buffer_destroy(gpu_device *device, gpu_buffer *buffer) {
-  if (buffer)
+  if (buffer) {
+    null_require_unused(device, buffer->used, "buffer_destroy: a recording uses it");
     null_release(device, buffer->memory);
+  }
   null_release(device, buffer);
 }
 
@@ -100,7 +102,6 @@ static void check_image(gpu_device *device, const gpu_image_info *info) {
   if (null_require(device, can, "image_create: no format of an image"))
     null_require(device, !(wanted & ~can), "image_create: the format cannot what the usage asks");
   null_require(device, info->width && info->height && info->layers, "image_create: a size or a count of layers of 0");
-  null_require(device, info->array || info->layers <= 1, "image_create: several layers, and no array");
   null_require(device, level_count(info) <= most_levels(info->width, info->height),
                "image_create: more levels than its size has");
   null_require(device, !gpu_format_is_depth(info->format) || !(info->usage & GPU_IMAGE_COPY_TARGET),
@@ -119,6 +120,8 @@ csm_result null_image_create(gpu_device *device, const gpu_image_info *info, gpu
 }
 
 void null_image_destroy(gpu_device *device, gpu_image *image) {
+  if (image)
+    null_require_unused(device, image->used, "image_destroy: a recording uses it");
   null_release(device, image);
 }
 
@@ -140,8 +143,10 @@ void null_image_describe(gpu_device *device, const gpu_image *image, uint64_t de
 }
 
 /* Never reached: there is no engine's device to import from. */
-csm_result null_image_import(gpu_device *device, const void *native, gpu_image **out, gpu_imported *about) {
+csm_result null_image_import(gpu_device *device, const void *native, gpu_texels texels, gpu_image **out,
+                             gpu_imported *about) {
   (void)native;
+  (void)texels;
   null_require(device, false, "image_import: not on an engine's device");
   *out = NULL;
   *about = (gpu_imported){0};
@@ -170,6 +175,8 @@ csm_result null_view_create(gpu_device *device, const gpu_view_info *info, gpu_v
 }
 
 void null_view_destroy(gpu_device *device, gpu_view *view) {
+  if (view)
+    null_require_unused(device, view->used, "view_destroy: a recording uses it");
   null_release(device, view);
 }
 
@@ -216,6 +223,8 @@ csm_result null_target_create(gpu_device *device, const gpu_target_info *info, g
 }
 
 void null_target_destroy(gpu_device *device, gpu_target *target) {
+  if (target)
+    null_require_unused(device, target->used, "target_destroy: a recording uses it");
   null_release(device, target);
 }
 

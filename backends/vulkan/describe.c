@@ -1,21 +1,17 @@
 /* describe.c: what a device is, and what it must be. */
 #include "internal.h"
 
+#include "../physical.h"
+
 /* ---- requirements ---- */
 
 const char *vulkan_lacks(const gpu_device *device, VkPhysicalDevice physical,
                          const VkPhysicalDeviceFeatures *features) {
   VkPhysicalDeviceProperties properties;
-  device->vk.GetPhysicalDeviceProperties(physical, &properties);
-  if (properties.apiVersion < VK_API_VERSION_1_1)
-    return "Vulkan 1.1";
-  if (!features->depthClamp)
-    return "depthClamp";
   VkFormatProperties depth;
-  const VkFormatFeatureFlags wanted =
-      VK_FORMAT_FEATURE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_FORMAT_FEATURE_SAMPLED_IMAGE_BIT;
+  device->vk.GetPhysicalDeviceProperties(physical, &properties);
   device->vk.GetPhysicalDeviceFormatProperties(physical, VK_FORMAT_D32_SFLOAT, &depth);
-  return (depth.optimalTilingFeatures & wanted) == wanted ? NULL : "D32_SFLOAT as a depth target and a texture";
+  return physical_lacks(&properties, features, &depth);
 }
 
 VkQueueFlags vulkan_queue_flags(const gpu_device *device, VkPhysicalDevice physical, uint32_t family,
@@ -32,65 +28,35 @@ VkQueueFlags vulkan_queue_flags(const gpu_device *device, VkPhysicalDevice physi
 
 /* ---- description ---- */
 
-gpu_device_type vulkan_device_type(VkPhysicalDeviceType type) {
-  switch (type) {
-  case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
-    return GPU_DEVICE_INTEGRATED;
-  case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
-    return GPU_DEVICE_DISCRETE;
-  case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
-    return GPU_DEVICE_VIRTUAL;
-  case VK_PHYSICAL_DEVICE_TYPE_CPU:
-    return GPU_DEVICE_CPU;
-  default:
-    return GPU_DEVICE_OTHER;
-  }
-}
-
 static uint32_t minimum(uint32_t a, uint32_t b) {
   return a < b ? a : b;
 }
 
-static uint64_t minimum64(uint64_t a, uint64_t b) {
-  return a < b ? a : b;
-}
-
-/* The largest images and memory: limits of the device and of its depth format. */
 static csm_result describe_sizes(gpu_device *device, const VkPhysicalDeviceLimits *limits, uint64_t max_allocation) {
   VkImageFormatProperties depth;
-  const VkImageUsageFlags usage = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT |
-                                  VK_IMAGE_USAGE_TRANSFER_DST_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
   const csm_result result = vulkan_check(
       device,
       device->vk.GetPhysicalDeviceImageFormatProperties(device->physical, VK_FORMAT_D32_SFLOAT, VK_IMAGE_TYPE_2D,
-                                                        VK_IMAGE_TILING_OPTIMAL, usage, 0, &depth),
+                                                        VK_IMAGE_TILING_OPTIMAL, physical_depth_usage, 0, &depth),
       "vkGetPhysicalDeviceImageFormatProperties");
   if (result != CSM_SUCCESS)
     return result;
-
   device->vk.GetPhysicalDeviceMemoryProperties(device->physical, &device->memory);
-  const uint32_t type = vulkan_memory_type(device, UINT32_MAX, GPU_BUFFER_DEVICE);
-  device->image_heap = device->memory.memoryTypes[type].heapIndex;
   device->max_stride = limits->maxVertexInputBindingStride;
-  gpu_device_info *info = &device->info;
-  info->memory_size = device->memory.memoryHeaps[device->image_heap].size;
-  info->max_allocation_size = minimum64(minimum64(max_allocation, info->memory_size), depth.maxResourceSize);
-  info->max_buffer_size = info->max_allocation_size;
-  info->max_image_layers = minimum(limits->maxImageArrayLayers, depth.maxArrayLayers);
-  uint32_t size = minimum(limits->maxImageDimension2D, minimum(depth.maxExtent.width, depth.maxExtent.height));
-  size = minimum(size, minimum(limits->maxFramebufferWidth, limits->maxFramebufferHeight));
-  info->max_image_size = minimum(size, minimum(limits->maxViewportDimensions[0], limits->maxViewportDimensions[1]));
+  const physical_limits all = {
+      .device = limits, .depth = &depth, .memory = &device->memory, .max_allocation = max_allocation};
+  physical_sizes(&all, &device->info);
   return CSM_SUCCESS;
 }
 
-/* Images rest visible to the shaders that may sample them; a stage that the queue has not may not be named. */
+/* Images rest visible to the shaders of every stage that the queue has: an engine may sample them in any. */
 static void describe_queue(gpu_device *device, const VkPhysicalDeviceLimits *limits) {
   uint32_t bits = 0;
   const VkQueueFlags flags = vulkan_queue_flags(device, device->physical, device->queue_family, &bits);
   device->timestamp_mask = bits == 0 ? 0 : UINT64_MAX >> (64 - bits);
   device->timestamp_period_ns = limits->timestampPeriod;
   device->read = (vulkan_use){.layout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
-                              .stages = VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
+                              .stages = VK_PIPELINE_STAGE_VERTEX_SHADER_BIT | VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT,
                               .access = VK_ACCESS_SHADER_READ_BIT};
   device->info.can.compute = flags & VK_QUEUE_COMPUTE_BIT;
   device->info.can.timestamps = bits;
@@ -120,7 +86,7 @@ csm_result vulkan_describe_physical(gpu_device *device) {
 
   const VkPhysicalDeviceProperties *properties = &all.properties;
   gpu_device_info *info = &device->info;
-  info->type = vulkan_device_type(properties->deviceType);
+  info->type = physical_type(properties->deviceType);
   info->required = vulkan_required;
   info->optional = vulkan_optional;
   vulkan_text(info->name, sizeof info->name, "%s", properties->deviceName);
@@ -147,6 +113,7 @@ uint64_t vulkan_memory_available(gpu_device *device) {
   VkPhysicalDeviceMemoryProperties2 memory = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MEMORY_PROPERTIES_2,
                                               .pNext = &budget};
   device->vk.GetPhysicalDeviceMemoryProperties2(device->physical, &memory);
-  const uint64_t most = budget.heapBudget[device->image_heap], used = budget.heapUsage[device->image_heap];
+  const uint32_t heap = physical_image_heap(&device->memory);
+  const uint64_t most = budget.heapBudget[heap], used = budget.heapUsage[heap];
   return most > used ? most - used : 0;
 }

@@ -93,59 +93,69 @@ csm_result vulkan_engine_take(gpu_device *device, const void *native_device) {
 
 /* ---- images ---- */
 
-/* Floats and signed normalised integers are as shaders want normals; unsigned ones lie in [0,1]. */
-static bool sampled_format(uint32_t format, bool *unorm) {
-  switch (format) {
-  case VK_FORMAT_R8G8B8A8_UNORM:
-  case VK_FORMAT_B8G8R8A8_UNORM:
-  case VK_FORMAT_A8B8G8R8_UNORM_PACK32:
-  case VK_FORMAT_A2R10G10B10_UNORM_PACK32:
-  case VK_FORMAT_A2B10G10R10_UNORM_PACK32:
-  case VK_FORMAT_R16G16B16A16_UNORM:
-  case VK_FORMAT_D16_UNORM:
-  case VK_FORMAT_D16_UNORM_S8_UINT:
-  case VK_FORMAT_X8_D24_UNORM_PACK32:
-  case VK_FORMAT_D24_UNORM_S8_UINT:
-    *unorm = true;
-    return true;
-  case VK_FORMAT_R8G8B8A8_SNORM:
-  case VK_FORMAT_B8G8R8A8_SNORM:
-  case VK_FORMAT_A8B8G8R8_SNORM_PACK32:
-  case VK_FORMAT_A2R10G10B10_SNORM_PACK32:
-  case VK_FORMAT_A2B10G10R10_SNORM_PACK32:
-  case VK_FORMAT_R16G16B16A16_SNORM:
-  case VK_FORMAT_R16G16B16_SFLOAT:
-  case VK_FORMAT_R16G16B16A16_SFLOAT:
-  case VK_FORMAT_R32_SFLOAT:
-  case VK_FORMAT_R32G32B32_SFLOAT:
-  case VK_FORMAT_R32G32B32A32_SFLOAT:
-  case VK_FORMAT_D32_SFLOAT:
-  case VK_FORMAT_D32_SFLOAT_S8_UINT:
-    *unorm = false;
-    return true;
-  default:
-    return false;
-  }
+/* A format that holds texels as csm reads them: the Direct3D 12 backend takes the same. */
+typedef struct texel_format {
+  VkFormat format;
+  gpu_texels texels;
+  bool unorm; /* normals lie in [0,1] then; floats and signed integers are as shaders want them */
+} texel_format;
+
+static const texel_format texel_formats[] = {
+    {VK_FORMAT_D16_UNORM, GPU_TEXELS_DEPTH, true},
+    {VK_FORMAT_D16_UNORM_S8_UINT, GPU_TEXELS_DEPTH, true},
+    {VK_FORMAT_X8_D24_UNORM_PACK32, GPU_TEXELS_DEPTH, true},
+    {VK_FORMAT_D24_UNORM_S8_UINT, GPU_TEXELS_DEPTH, true},
+    {VK_FORMAT_D32_SFLOAT, GPU_TEXELS_DEPTH, false},
+    {VK_FORMAT_D32_SFLOAT_S8_UINT, GPU_TEXELS_DEPTH, false},
+    {VK_FORMAT_R16_UNORM, GPU_TEXELS_DEPTH, true},
+    {VK_FORMAT_R16_SFLOAT, GPU_TEXELS_DEPTH, false},
+    {VK_FORMAT_R32_SFLOAT, GPU_TEXELS_DEPTH, false},
+    {VK_FORMAT_R8G8B8A8_UNORM, GPU_TEXELS_NORMALS, true},
+    {VK_FORMAT_A8B8G8R8_UNORM_PACK32, GPU_TEXELS_NORMALS, true},
+    {VK_FORMAT_B8G8R8A8_UNORM, GPU_TEXELS_NORMALS, true},
+    {VK_FORMAT_A2B10G10R10_UNORM_PACK32, GPU_TEXELS_NORMALS, true},
+    {VK_FORMAT_R16G16B16A16_UNORM, GPU_TEXELS_NORMALS, true},
+    {VK_FORMAT_R8G8B8A8_SNORM, GPU_TEXELS_NORMALS, false},
+    {VK_FORMAT_A8B8G8R8_SNORM_PACK32, GPU_TEXELS_NORMALS, false},
+    {VK_FORMAT_R16G16B16A16_SNORM, GPU_TEXELS_NORMALS, false},
+    {VK_FORMAT_R16G16B16A16_SFLOAT, GPU_TEXELS_NORMALS, false},
+    {VK_FORMAT_R32G32B32_SFLOAT, GPU_TEXELS_NORMALS, false},
+    {VK_FORMAT_R32G32B32A32_SFLOAT, GPU_TEXELS_NORMALS, false},
+};
+
+/* NULL if it holds no such texels. */
+static const texel_format *find_format(uint32_t format, gpu_texels texels) {
+  for (size_t i = 0; i < sizeof texel_formats / sizeof *texel_formats; i++)
+    if ((uint32_t)texel_formats[i].format == format && texel_formats[i].texels == texels)
+      return &texel_formats[i];
+  return NULL;
 }
 
-csm_result vulkan_image_import(gpu_device *device, const void *native_image, gpu_image **out, gpu_imported *about) {
+static csm_result check_image(const gpu_device *device, const csm_vulkan_image *native, gpu_texels texels) {
+  if (!native->view)
+    return vulkan_fail(device, CSM_ERROR_NULL_POINTER, "csm_vulkan_image: view is NULL");
+  if (native->layout != VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL &&
+      native->layout != VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL && native->layout != VK_IMAGE_LAYOUT_GENERAL)
+    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_image: layout %u is none that shaders read in",
+                       native->layout);
+  if (!find_format(native->format, texels))
+    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_image: format %u is none that holds %s",
+                       native->format, texels == GPU_TEXELS_DEPTH ? "depth" : "normals");
+  if (!native->width || !native->height || native->reserved)
+    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_image: %s",
+                       native->reserved ? "reserved is not 0" : "a size of 0");
+  return CSM_SUCCESS;
+}
+
+csm_result vulkan_image_import(gpu_device *device, const void *native_image, gpu_texels texels, gpu_image **out,
+                               gpu_imported *about) {
   *out = NULL;
   csm_vulkan_image native;
-  const csm_result result = read_struct(device, "csm_vulkan_image", &native, sizeof native, native_image);
+  csm_result result = read_struct(device, "csm_vulkan_image", &native, sizeof native, native_image);
+  if (result == CSM_SUCCESS)
+    result = check_image(device, &native, texels);
   if (result != CSM_SUCCESS)
     return result;
-  if (!native.view)
-    return vulkan_fail(device, CSM_ERROR_NULL_POINTER, "csm_vulkan_image: view is NULL");
-  if (native.layout != VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL &&
-      native.layout != VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL && native.layout != VK_IMAGE_LAYOUT_GENERAL)
-    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_image: layout %u is none that shaders read in",
-                       native.layout);
-  if (!sampled_format(native.format, &about->unorm))
-    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_image: format %u is of no depth or normals",
-                       native.format);
-  if (!native.width || !native.height || native.reserved)
-    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_image: %s",
-                       native.reserved ? "reserved is not 0" : "a size of 0");
   gpu_image *image = vulkan_allocate(device, sizeof *image);
   if (!image)
     return CSM_ERROR_OUT_OF_MEMORY;
@@ -156,8 +166,8 @@ csm_result vulkan_image_import(gpu_device *device, const void *native_image, gpu
   image->sampled_layout = (VkImageLayout)native.layout;
   image->width = native.width;
   image->height = native.height;
-  about->width = native.width;
-  about->height = native.height;
+  *about = (gpu_imported){
+      .width = native.width, .height = native.height, .unorm = find_format(native.format, texels)->unorm};
   *out = image;
   return CSM_SUCCESS;
 }
@@ -183,6 +193,8 @@ static csm_result check_mesh(const gpu_device *device, const csm_vulkan_mesh *na
                        native->vertex_stride, device->max_stride);
   if (native->vertex_offset % 4 || native->index_offset % 4)
     return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_mesh: an offset is no multiple of 4");
+  if (native->reserved)
+    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_mesh: reserved is not 0");
   return CSM_SUCCESS;
 }
 

@@ -62,16 +62,16 @@ struct gpu_buffer {
   vulkan_memory memory;
   gpu_buffer_kind kind;
   uint64_t size;
-  bool borrowed;                   /* an engine's: neither destroyed nor copied */
-  uint64_t epoch;                  /* of the transfers in the range below */
-  uint64_t copied_from, copied_to; /* what copies have read or written since the last barrier between transfers */
+  bool borrowed;                     /* an engine's: neither destroyed nor copied */
+  uint64_t epoch;                    /* of the transfers in the range below */
+  uint64_t copied_begin, copied_end; /* what copies have read or written since the last barrier between transfers */
 };
 
 struct gpu_image {
   VkImage handle;
   VkImageView view;             /* what shaders see of all of it; none without GPU_IMAGE_SAMPLED */
   VkImageLayout sampled_layout; /* while shaders see it */
-  bool borrowed;                /* an engine's view, of an image whose state is the engine's: no handle, no pieces */
+  bool borrowed;                /* an engine's view, of an image whose state is the engine's: no handle, no states */
   vulkan_memory memory;
   gpu_format format;
   uint32_t width, height, layer_count, level_count;
@@ -79,8 +79,8 @@ struct gpu_image {
   VkImageAspectFlags aspect;
   bool used; /* in the current recording, and in its list */
   gpu_image *next_used;
-  vulkan_use *before;  /* each piece's state before the current recording; valid if used */
-  vulkan_use pieces[]; /* and now: by layer, then level */
+  vulkan_use *before;  /* each {layer, level}'s state before the current recording; valid if used */
+  vulkan_use states[]; /* and now: by layer, then level */
 };
 
 struct gpu_view {
@@ -167,7 +167,6 @@ struct gpu_device {
   /* what the device is */
   gpu_device_info info;
   VkPhysicalDeviceMemoryProperties memory;
-  uint32_t image_heap;
   uint32_t max_stride;     /* of vertices, in bytes */
   vulkan_use read;         /* by shaders: the state in which images rest */
   uint64_t timestamp_mask; /* 0: no timestamps */
@@ -183,15 +182,15 @@ struct gpu_device {
   /* the current recording */
   vulkan_slot *slot;
   VkCommandBuffer commands;
-  gpu_image *used; /* a list */
+  gpu_image *used_images; /* a list */
   const gpu_target *target;
   uint32_t stream_count; /* of the pass's program */
 
   /* the state of all buffers, in recording order */
   uint64_t epoch;                  /* counts barriers between transfers */
   uint32_t buffer_usage;           /* of all buffers that were ever made */
-  uint32_t written[VULKAN_WORKS];  /* bit k: work of this kind wrote what work of kind k may not see yet */
-  uint32_t accessed[VULKAN_WORKS]; /* bit k: it read or wrote what work of kind k must not write yet */
+  uint32_t written[VULKAN_WORKS];  /* written[w] bit k: work w wrote, and work k has had no barrier since */
+  uint32_t accessed[VULKAN_WORKS]; /* accessed[w] bit k: work w read or wrote, and a write by k needs a barrier */
   bool readback_written;           /* in the current recording */
   bool recording_lost;             /* a recording, with its barriers, was never submitted */
 };
@@ -221,7 +220,6 @@ const char *vulkan_lacks(const gpu_device *device, VkPhysicalDevice physical, co
 /* What a queue family can do; 0 if there is none. `timestamp_bits` may be NULL. */
 VkQueueFlags vulkan_queue_flags(const gpu_device *device, VkPhysicalDevice physical, uint32_t family,
                                 uint32_t *timestamp_bits);
-gpu_device_type vulkan_device_type(VkPhysicalDeviceType type);
 csm_result vulkan_describe_physical(gpu_device *device);
 void vulkan_describe(const gpu_device *device, gpu_device_info *out);
 uint64_t vulkan_memory_available(gpu_device *device);
@@ -238,7 +236,8 @@ void vulkan_own_close(gpu_device *device);                                   /* 
 
 /* ---- engine.c: an engine's handles, images and buffers ---- */
 csm_result vulkan_engine_take(gpu_device *device, const void *native); /* csm_vulkan_device; checks it */
-csm_result vulkan_image_import(gpu_device *device, const void *native, gpu_image **out, gpu_imported *about);
+csm_result vulkan_image_import(gpu_device *device, const void *native, gpu_texels texels, gpu_image **out,
+                               gpu_imported *about);
 csm_result vulkan_geometry_import(gpu_device *device, const void *native, gpu_geometry *out);
 
 /* ---- resource.c: buffers, images and views ---- */
@@ -298,9 +297,9 @@ void vulkan_image_prepare(gpu_device *device, gpu_image *image, const gpu_range 
 void vulkan_image_use(gpu_device *device, gpu_image *image, const gpu_range *range, const vulkan_use *next,
                       bool discard);
 /* Ends what a recording did to images: those that shaders read rest readable between recordings. */
-void vulkan_rest_images(gpu_device *device);
+void vulkan_rest(gpu_device *device);
 /* `recorded` false: the recording's uses will not take place. */
-void vulkan_release_images(gpu_device *device, bool recorded);
+void vulkan_release_used(gpu_device *device, bool recorded);
 void vulkan_memory_barrier(gpu_device *device, VkPipelineStageFlags from, VkAccessFlags written,
                            VkPipelineStageFlags to, VkAccessFlags access);
 /* Puts the barriers that work of a kind needs, which reads buffers of the device's own memory, and writes some or none.

@@ -191,11 +191,15 @@ static csm_result engine_allocate(gpu_device *device, const vulkan_memory_reques
                                          "the engine's allocate_memory");
   if (result != CSM_SUCCESS)
     return result;
+  if (!given.memory)
+    return vulkan_fail(device, CSM_ERROR_OUT_OF_DEVICE_MEMORY, "the engine's allocate_memory: memory is NULL");
   const bool visible = wish.required & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
-  if (!given.memory || given.offset % request->needs.alignment || (visible && !given.mapped)) {
+  const char *fault = given.offset % request->needs.alignment ? "offset is no multiple of the alignment"
+                      : visible && !given.mapped              ? "mapped is NULL"
+                                                              : NULL;
+  if (fault) {
     device->free_memory(device->memory_user, &given);
-    return vulkan_fail(device, CSM_ERROR_DEVICE,
-                       "the engine's allocate_memory gave no memory, or memory that is not aligned, or not mapped");
+    return vulkan_fail(device, CSM_ERROR_DEVICE, "the engine's allocate_memory: %s", fault);
   }
   *out = (vulkan_memory){.handle = given.memory,
                          .offset = given.offset,
@@ -218,7 +222,7 @@ csm_result vulkan_memory_allocate(gpu_device *device, const vulkan_memory_reques
   const uint32_t type = vulkan_memory_type(device, request->needs.memoryTypeBits, request->kind);
   if (type == UINT32_MAX)
     return vulkan_fail(device, CSM_ERROR_DEVICE, "no memory type of the device fits");
-  if (request->needs.size > device->info.max_allocation_size)
+  if (request->needs.size > (request->image ? device->info.max_allocation_size : device->info.max_buffer_size))
     return vulkan_fail(device, CSM_ERROR_OUT_OF_DEVICE_MEMORY, "the device allows no allocation of %llu bytes",
                        (unsigned long long)request->needs.size);
   return device->allocate_memory ? engine_allocate(device, request, out) : block_take(device, request, type, out);

@@ -2,6 +2,7 @@
 #include "internal.h"
 
 #include "../choose.h"
+#include "../physical.h"
 
 #include <dlfcn.h>
 #include <string.h>
@@ -68,13 +69,7 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL log_message(VkDebugUtilsMessageSeverityFla
                                                   const VkDebugUtilsMessengerCallbackDataEXT *data, void *user) {
   (void)types;
   const gpu_device *device = user;
-  char text[2048];
-  size_t length = 0;
-  for (const char *c = data->pMessage; *c && length + 1 < sizeof text; c++)
-    text[length++] = *c == '\n' ? ' ' : *c;
-  text[length] = 0;
-  const int32_t level = severity >= VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT ? CSM_LOG_ERROR : CSM_LOG_WARNING;
-  device->host.log(device->host.user, level, text);
+  physical_log(&device->host, severity, data->pMessage);
   return VK_FALSE;
 }
 
@@ -183,26 +178,20 @@ static const char *missing(const gpu_device *device, VkPhysicalDevice physical) 
 }
 
 static csm_result select_from(gpu_device *device, const char *name, const VkPhysicalDevice *list, uint32_t count) {
-  uint32_t best = 0;
-  char lack[sizeof device->info.name + 64] = "";
+  choose_choice choice = {.part = name};
+  char refusal[512];
   for (uint32_t i = 0; i < count; i++) {
     VkPhysicalDeviceProperties properties;
     device->vk.GetPhysicalDeviceProperties(list[i], &properties);
-    if (!choose_fits(properties.deviceName, name))
-      continue;
-    const uint32_t rank = choose_rank(vulkan_device_type(properties.deviceType));
-    const char *lacks = missing(device, list[i]);
-    if (lacks) {
-      vulkan_text(lack, sizeof lack, "; %s lacks %s", properties.deviceName, lacks);
-    } else if (rank > best) {
-      best = rank;
+    const choose_candidate candidate = {
+        .name = properties.deviceName, .type = physical_type(properties.deviceType), .lacks = missing(device, list[i])};
+    if (choose_offer(&choice, &candidate))
       device->physical = list[i];
-    }
   }
   if (device->physical)
     return CSM_SUCCESS;
-  return vulkan_fail(device, CSM_ERROR_NO_DEVICE, "none of %u Vulkan devices fits%s%s%s%s", count,
-                     name ? " the name \"" : "", name ? name : "", name ? "\"" : "", lack);
+  choose_refusal(&choice, refusal, sizeof refusal);
+  return vulkan_fail(device, CSM_ERROR_NO_DEVICE, "%s", refusal);
 }
 
 static csm_result select_physical(gpu_device *device, const char *name) {

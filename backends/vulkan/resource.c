@@ -152,8 +152,8 @@ static csm_result image_handle_create(gpu_device *device, gpu_image *image, cons
 csm_result vulkan_image_create(gpu_device *device, const gpu_image_info *info, gpu_image **out) {
   *out = NULL;
   const uint32_t levels = info->levels ? info->levels : 1;
-  const size_t pieces = (size_t)info->layers * levels;
-  gpu_image *image = vulkan_allocate(device, sizeof *image + 2 * pieces * sizeof *image->pieces);
+  const size_t count = (size_t)info->layers * levels;
+  gpu_image *image = vulkan_allocate(device, sizeof *image + 2 * count * sizeof *image->states);
   if (!image)
     return CSM_ERROR_OUT_OF_MEMORY;
   image->format = info->format;
@@ -162,8 +162,8 @@ csm_result vulkan_image_create(gpu_device *device, const gpu_image_info *info, g
   image->layer_count = info->layers;
   image->sampled_layout = device->read.layout;
   image->level_count = levels;
-  image->array = info->array;
-  image->before = image->pieces + pieces;
+  image->array = info->array || info->layers > 1;
+  image->before = image->states + count;
   image->aspect = gpu_format_is_depth(info->format) ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT;
 
   csm_result result = image_handle_create(device, image, info);

@@ -113,16 +113,26 @@ static csm_result commands_submit(gpu_device *device) {
 }
 
 csm_result vulkan_end(gpu_device *device) {
-  vulkan_rest_images(device);
+  vulkan_rest(device);
   if (device->readback_written)
     vulkan_memory_barrier(device, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
                           VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
   const csm_result result = device->own ? commands_submit(device) : CSM_SUCCESS;
-  vulkan_release_images(device, result == CSM_SUCCESS);
+  vulkan_release_used(device, result == CSM_SUCCESS);
   return result;
 }
 
 /* ---- timestamps ---- */
+
+/* Ticks of a counter with the mask's bits, which may have begun anew since the first. */
+static void convert_ticks(const gpu_device *device, uint32_t count, uint64_t *ticks) {
+  const uint64_t first = ticks[0] & device->timestamp_mask;
+  const uint64_t begin = (uint64_t)((double)first * device->timestamp_period_ns);
+  for (uint32_t i = 0; i < count; i++) {
+    const uint64_t since = (ticks[i] - first) & device->timestamp_mask;
+    ticks[i] = begin + (uint64_t)((double)since * device->timestamp_period_ns);
+  }
+}
 
 csm_result vulkan_timestamps(gpu_device *device, uint32_t slot_index, uint32_t first, uint32_t count,
                              uint64_t *nanoseconds) {
@@ -135,10 +145,10 @@ csm_result vulkan_timestamps(gpu_device *device, uint32_t slot_index, uint32_t f
   const VkResult got =
       device->vk.GetQueryPoolResults(device->handle, slot->queries, first, count, count * sizeof *nanoseconds,
                                      nanoseconds, sizeof *nanoseconds, VK_QUERY_RESULT_64_BIT);
-  if (got == VK_NOT_READY) /* an engine threw the frame away */
-    return CSM_ERROR_UNSUPPORTED;
+  if (got == VK_NOT_READY)
+    return CSM_ERROR_UNSUPPORTED; /* an engine did not submit the recording */
   result = vulkan_check(device, got, "vkGetQueryPoolResults");
-  for (uint32_t i = 0; result == CSM_SUCCESS && i < count; i++)
-    nanoseconds[i] = (uint64_t)((double)(nanoseconds[i] & device->timestamp_mask) * device->timestamp_period_ns);
+  if (result == CSM_SUCCESS)
+    convert_ticks(device, count, nanoseconds);
   return result;
 }

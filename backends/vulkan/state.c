@@ -3,8 +3,8 @@
  * orders a frame after the frames before it.
  *
  * Images: the last use of each {layer, level} is known. A barrier stands where the next use differs, or writes again.
- * Buffers: copies among each other by range; copies, draws and dispatches against each other for all buffers at once,
- * since a pass can hold no barrier, and what it will draw is not known when it begins.
+ * Buffers: copies are ordered among each other by range. Copies, draws and dispatches are ordered against each other
+ * for all buffers at once: a pass can hold no barrier, and what it draws is not known when it begins.
  */
 #include "internal.h"
 
@@ -36,8 +36,8 @@ const vulkan_use vulkan_use_draw_store = {.layout = VK_IMAGE_LAYOUT_GENERAL,
 static const VkAccessFlags write_access = VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT |
                                           VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT | VK_ACCESS_SHADER_WRITE_BIT;
 
-static vulkan_use *piece_at(gpu_image *image, uint32_t layer, uint32_t level) {
-  return &image->pieces[layer * image->level_count + level];
+static vulkan_use *state_at(gpu_image *image, uint32_t layer, uint32_t level) {
+  return &image->states[layer * image->level_count + level];
 }
 
 static bool same_use(const vulkan_use *a, const vulkan_use *b) {
@@ -52,16 +52,16 @@ static bool needs_barrier(const vulkan_use *last, const vulkan_use *next) {
 static void set_use(gpu_image *image, const gpu_range *range, const vulkan_use *use, bool ready) {
   for (uint32_t layer = 0; layer < range->layer_count; layer++)
     for (uint32_t level = 0; level < range->level_count; level++) {
-      vulkan_use *piece = piece_at(image, range->first_layer + layer, range->first_level + level);
-      *piece = *use;
-      piece->ready = ready;
+      vulkan_use *state = state_at(image, range->first_layer + layer, range->first_level + level);
+      *state = *use;
+      state->ready = ready;
     }
 }
 
-/* A barrier for pieces that are all in the same state. */
+/* A barrier for states that are all the same. */
 static void range_barrier(gpu_device *device, gpu_image *image, const gpu_range *range, const vulkan_use *next,
                           bool discard) {
-  const vulkan_use last = *piece_at(image, range->first_layer, range->first_level);
+  const vulkan_use last = *state_at(image, range->first_layer, range->first_level);
   if (!needs_barrier(&last, next))
     return;
   const VkImageMemoryBarrier barrier = {.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
@@ -79,10 +79,10 @@ static void range_barrier(gpu_device *device, gpu_image *image, const gpu_range 
 }
 
 static bool uniform(gpu_image *image, const gpu_range *range) {
-  const vulkan_use *first = piece_at(image, range->first_layer, range->first_level);
+  const vulkan_use *first = state_at(image, range->first_layer, range->first_level);
   for (uint32_t layer = 0; layer < range->layer_count; layer++)
     for (uint32_t level = 0; level < range->level_count; level++)
-      if (!same_use(first, piece_at(image, range->first_layer + layer, range->first_level + level)))
+      if (!same_use(first, state_at(image, range->first_layer + layer, range->first_level + level)))
         return false;
   return true;
 }
@@ -92,7 +92,7 @@ static void level_barriers(gpu_device *device, gpu_image *image, const gpu_range
                            const vulkan_use *next, bool discard) {
   const uint32_t end = layers->first_layer + layers->layer_count;
   for (uint32_t run = layers->first_layer, stop; run < end; run = stop) {
-    for (stop = run + 1; stop < end && same_use(piece_at(image, run, level), piece_at(image, stop, level));)
+    for (stop = run + 1; stop < end && same_use(state_at(image, run, level), state_at(image, stop, level));)
       stop++;
     const gpu_range part = {.first_layer = run, .layer_count = stop - run, .first_level = level, .level_count = 1};
     range_barrier(device, image, &part, next, discard);
@@ -103,9 +103,9 @@ void vulkan_image_prepare(gpu_device *device, gpu_image *image, const gpu_range 
                           bool discard) {
   if (!image->used) {
     image->used = true;
-    image->next_used = device->used;
-    device->used = image;
-    memcpy(image->before, image->pieces, image->layer_count * image->level_count * sizeof *image->pieces);
+    image->next_used = device->used_images;
+    device->used_images = image;
+    memcpy(image->before, image->states, image->layer_count * image->level_count * sizeof *image->states);
   }
   if (uniform(image, range)) {
     range_barrier(device, image, range, next, discard);
@@ -121,21 +121,21 @@ void vulkan_image_use(gpu_device *device, gpu_image *image, const gpu_range *ran
   set_use(image, range, next, false);
 }
 
-void vulkan_rest_images(gpu_device *device) {
-  for (gpu_image *image = device->used; image; image = image->next_used) {
+void vulkan_rest(gpu_device *device) {
+  for (gpu_image *image = device->used_images; image; image = image->next_used) {
     const gpu_range all = vulkan_range(image, NULL);
     if (image->view)
       vulkan_image_use(device, image, &all, &device->read, false);
   }
 }
 
-void vulkan_release_images(gpu_device *device, bool recorded) {
-  for (gpu_image *image = device->used; image; image = image->next_used) {
+void vulkan_release_used(gpu_device *device, bool recorded) {
+  for (gpu_image *image = device->used_images; image; image = image->next_used) {
     if (!recorded)
-      memcpy(image->pieces, image->before, image->layer_count * image->level_count * sizeof *image->pieces);
+      memcpy(image->states, image->before, image->layer_count * image->level_count * sizeof *image->states);
     image->used = false;
   }
-  device->used = NULL;
+  device->used_images = NULL;
 }
 
 /* ---- buffers ---- */
@@ -205,15 +205,15 @@ void vulkan_use_buffers(gpu_device *device, vulkan_work work, bool writes) {
 void vulkan_copy_range(gpu_device *device, gpu_buffer *buffer, uint64_t offset, uint64_t size) {
   if (buffer->kind == GPU_BUFFER_UPLOAD)
     return; /* only ever read */
-  if (buffer->epoch == device->epoch && offset < buffer->copied_to && buffer->copied_from < offset + size) {
+  if (buffer->epoch == device->epoch && offset < buffer->copied_end && buffer->copied_begin < offset + size) {
     vulkan_memory_barrier(device, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
                           VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_READ_BIT | VK_ACCESS_TRANSFER_WRITE_BIT);
     device->epoch++;
   }
   const bool first = buffer->epoch != device->epoch;
-  if (first || offset < buffer->copied_from)
-    buffer->copied_from = offset;
-  if (first || offset + size > buffer->copied_to)
-    buffer->copied_to = offset + size;
+  if (first || offset < buffer->copied_begin)
+    buffer->copied_begin = offset;
+  if (first || offset + size > buffer->copied_end)
+    buffer->copied_end = offset + size;
   buffer->epoch = device->epoch;
 }

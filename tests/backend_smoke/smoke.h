@@ -174,7 +174,7 @@ void test_depth_loads(smoke *s);
 void test_always(smoke *s);
 void test_both_targets(smoke *s);
 void test_samplers(smoke *s); /* textures.c */
-void test_eight_textures(smoke *s);
+void test_many_bindings(smoke *s);
 void test_attributes(smoke *s);
 void test_buffers(smoke *s); /* stores.c */
 void test_atomics(smoke *s);

@@ -1,4 +1,4 @@
-/* textures.c: samplers, as many textures as there may be, and vertices in narrow formats. */
+/* textures.c: samplers, as many textures and bindings as there may be, and vertices in narrow formats. */
 #include "smoke.h"
 
 #include <math.h>
@@ -101,34 +101,93 @@ void test_samplers(smoke *s) {
 
 /* ---- textures ---- */
 
-/* Texture k holds k + 1, so each is seen at its own place. */
-void test_eight_textures(smoke *s) {
-  enum { SIDE = 16 };
+enum { SIDE = 64, ROWS = 47, MANY = SIDE * ROWS }; /* MANY: over 3000 */
+
+/* A program that reads eight textures, and textures of which number k holds k + 1. */
+typedef struct eight {
+  gpu_program *program;
+  gpu_image *textures[GPU_MAX_TEXTURES], *result;
+  gpu_target *target;
+} eight;
+
+static void make_eight(smoke *s, eight *out) {
   const uint32_t usage = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED | GPU_IMAGE_COPY_SOURCE;
   gpu_program_info info = screen_program("eight", shader_eight_ps, GPU_FORMAT_RG32_FLOAT);
   info.constants_count = 0;
   info.texture_count = GPU_MAX_TEXTURES;
-  gpu_bindings_info reads = {.name = "eight", .program = scrap_program(s, info)};
-  gpu_image *result = scrap_image(s, (gpu_image_info){"result", GPU_FORMAT_RG32_FLOAT, usage, SIDE, SIDE, 1, false, 1});
-  gpu_target *target = scrap_target(s, (gpu_target_info){.name = "result", .color = result});
+  out->program = scrap_program(s, info);
+  out->result = scrap_image(s, (gpu_image_info){"result", GPU_FORMAT_RG32_FLOAT, usage, SIDE, SIDE, 1, false, 1});
+  out->target = scrap_target(s, (gpu_target_info){.name = "result", .color = out->result});
   begin(s, 0);
   for (uint32_t i = 0; i < GPU_MAX_TEXTURES; i++) {
     const gpu_format format = i % 2 ? GPU_FORMAT_R16_FLOAT : GPU_FORMAT_R32_FLOAT;
-    reads.textures[i] = scrap_image(s, (gpu_image_info){"one of eight", format, usage, SIDE, SIDE, 1, false, 1});
-    gpu_target *into = scrap_target(s, (gpu_target_info){.name = "one of eight", .color = reads.textures[i]});
+    gpu_image *image = scrap_image(s, (gpu_image_info){"one of eight", format, usage, SIDE, SIDE, 1, false, 1});
+    gpu_target *into = scrap_target(s, (gpu_target_info){.name = "one of eight", .color = image});
     gpu_pass_begin(s->g,
                    &(gpu_pass_info){.target = into, .color_load = GPU_LOAD_CLEAR, .clear_color = {(float)(i + 1)}});
     gpu_pass_end(s->g);
-    gpu_make_readable(s->g, reads.textures[i], NULL);
+    gpu_make_readable(s->g, image, NULL);
+    out->textures[i] = image;
   }
-  gpu_bindings *bindings = scrap_bindings(s, reads);
-  gpu_program *program = s->scrap[SCRAP_PROGRAMS].items[0];
-  draw_screen(s, &(gpu_pass_info){.target = target, .color_load = GPU_LOAD_DISCARD}, program, bindings, 0);
   end_and_wait(s, 0);
-  uint32_t row_bytes;
-  const gpu_region all = {.width = SIDE, .height = SIDE};
-  const float *sums = (const float *)read_level(s, result, GPU_FORMAT_RG32_FLOAT, all, &row_bytes);
-  CHECK(s, sums[0] == 4321 && sums[1] == 8765, "%g, %g", (double)sums[0], (double)sums[1]);
+}
+
+/* Bindings whose texture k is number k + turn, counted round. */
+static gpu_bindings *bind_eight(smoke *s, const eight *on, uint32_t turn) {
+  gpu_bindings_info info = {.name = "eight", .program = on->program};
+  for (uint32_t k = 0; k < GPU_MAX_TEXTURES; k++)
+    info.textures[k] = on->textures[(k + turn) % GPU_MAX_TEXTURES];
+  gpu_bindings *bindings = NULL;
+  const csm_result result = gpu_bindings_create(s->g, &info, &bindings);
+  CHECK(s, result == CSM_SUCCESS && bindings, "%d", result);
+  return bindings;
+}
+
+/* In one pass, a texel with each of the bindings; each texture is seen at its own place. */
+static void check_eight(smoke *s, const eight *on, gpu_bindings *const *bindings, const uint32_t *turns) {
+  begin(s, 0);
+  gpu_pass_begin(s->g, &(gpu_pass_info){.target = on->target, .color_load = GPU_LOAD_DISCARD});
+  gpu_pass_program(s->g, on->program);
+  for (uint32_t i = 0; i < MANY; i++) {
+    gpu_pass_area(s->g, &(gpu_rect){i % SIDE, i / SIDE, 1, 1});
+    gpu_pass_bind(s->g, bindings[i], NULL);
+    gpu_pass_draw(s->g, &(gpu_draw){.count = 3, .instance_count = 1});
+  }
+  gpu_pass_end(s->g);
+  end_and_wait(s, 0);
+  uint32_t row_bytes, wrong = 0;
+  const gpu_region all = {.width = SIDE, .height = ROWS};
+  const uint8_t *rows = read_level(s, on->result, GPU_FORMAT_RG32_FLOAT, all, &row_bytes);
+  for (uint32_t i = 0; i < MANY; i++) {
+    const float *sums = (const float *)(rows + i / SIDE * row_bytes) + i % SIDE * 2;
+    uint32_t expected[2] = {0, 0};
+    for (uint32_t k = GPU_MAX_TEXTURES; k-- > 0;)
+      expected[k / 4] = expected[k / 4] * 10 + (k + turns[i]) % GPU_MAX_TEXTURES + 1;
+    wrong += sums[0] != (float)expected[0] || sums[1] != (float)expected[1];
+  }
+  CHECK(s, wrong == 0, "%u of %u texels", wrong, (uint32_t)MANY);
+}
+
+/* More bindings than a heap of descriptors begins with; then every second one is made anew, for other textures. */
+void test_many_bindings(smoke *s) {
+  eight on;
+  gpu_bindings *bindings[MANY];
+  uint32_t turns[MANY];
+  make_eight(s, &on);
+  for (uint32_t i = 0; i < MANY; i++) {
+    turns[i] = i;
+    bindings[i] = bind_eight(s, &on, turns[i]);
+  }
+  check_eight(s, &on, bindings, turns);
+  for (uint32_t i = 0; i < MANY; i += 2)
+    gpu_bindings_destroy(s->g, bindings[i]);
+  for (uint32_t i = 0; i < MANY; i += 2) {
+    turns[i] = i / 2 + 3;
+    bindings[i] = bind_eight(s, &on, turns[i]);
+  }
+  check_eight(s, &on, bindings, turns);
+  for (uint32_t i = 0; i < MANY; i++)
+    gpu_bindings_destroy(s->g, bindings[i]);
   scrap_free(s);
 }
 

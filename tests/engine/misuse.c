@@ -205,25 +205,43 @@ static void expect_images(fixture *f, const void *depth, const void *normals, co
   misuse_expect(row, result, csm_last_error(f->stage.context));
 }
 
-static void images_are_checked(void **state) {
-  (void)state;
-  static const misuse fine = {.what = "good images"};
+/* In place of depth, or of normals beside a good depth. */
+static void expect_image_rows(fixture *f, const rig_image *image, bool normals, const rig_native *depth) {
   misuse rows[MISUSE_ROWS];
   rig_native good;
-  fixture f;
-  fixture_open(&f);
-  const uint32_t count = rig_misuses(f.rig, RIG_IMAGE, f.image, &f.buffer, &good, rows);
-  rig_begin(f.rig);
-  shot shot = stage_shot(&f.stage, 0);
-  stage_render(&f.stage, &shot);
+  const uint32_t count = rig_misuses(f->rig, RIG_IMAGE, image, &f->buffer, &good, rows);
   for (uint32_t i = 0; i < count; ++i) {
     rig_native wrong = good;
     misuse_apply(&rows[i], &wrong);
-    expect_images(&f, &wrong, NULL, &rows[i]);
-    expect_images(&f, &good, &wrong, &rows[i]);
+    expect_images(f, normals ? depth : &wrong, normals ? &wrong : NULL, &rows[i]);
   }
-  expect_images(&f, &good, NULL, &fine);
+}
+
+static void images_are_checked(void **state) {
+  (void)state;
+  static const float texels[96 * 64 * 4];
+  static const misuse fine = {.what = "good images"};
+  static const misuse no_depth = {.what = "normals for depth", .expected = CSM_ERROR_INVALID_VALUE, .words = "depth"};
+  static const misuse no_normals = {
+      .what = "depth for normals", .expected = CSM_ERROR_INVALID_VALUE, .words = "normals"};
+  misuse rows[MISUSE_ROWS];
+  rig_native depth, normals;
+  fixture f;
+  fixture_open(&f);
+  rig_image *image = rig_image_make(
+      f.rig, &(rig_image_info){.format = RIG_RGBA_FLOAT_32, .width = 96, .height = 64, .texels = texels});
+  rig_misuses(f.rig, RIG_IMAGE, f.image, &f.buffer, &depth, rows);
+  rig_misuses(f.rig, RIG_IMAGE, image, &f.buffer, &normals, rows);
+  rig_begin(f.rig);
+  shot shot = stage_shot(&f.stage, 0);
+  stage_render(&f.stage, &shot);
+  expect_image_rows(&f, f.image, false, NULL);
+  expect_image_rows(&f, image, true, &depth);
+  expect_images(&f, &normals, NULL, &no_depth);
+  expect_images(&f, &depth, &depth, &no_normals);
+  expect_images(&f, &depth, &normals, &fine);
   stage_finish(&f.stage);
+  rig_image_free(f.rig, image);
   fixture_close(&f);
 }
 

@@ -51,9 +51,19 @@ void rig_drop(rig *rig);
 
 /* ---- memory that a rig of kind RIG_MODERN lends ---- */
 
+/* How a request goes wrong. */
+typedef enum rig_lapse {
+  RIG_REFUSAL,    /* an error, and nothing given */
+  RIG_NOTHING,    /* no error, and nothing given */
+  RIG_ODD_OFFSET, /* a piece at an offset that is not aligned */
+  RIG_UNMAPPED    /* a piece that is not mapped, where it must be: not on Direct3D 12 */
+} rig_lapse;
+
 typedef struct rig_lent {
   uint32_t requests, pieces, most; /* made so far; pieces that csm has now, and had at most */
-  uint32_t refuse_at;              /* the request that is refused, from 1; 0: none */
+  uint32_t refuse_at;              /* the request that goes wrong, from 1; 0: none */
+  rig_lapse lapse;
+  uint32_t lapses; /* that came to pass */
 } rig_lent;
 
 rig_lent *rig_lent_memory(rig *rig);

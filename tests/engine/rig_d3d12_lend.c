@@ -7,8 +7,11 @@ static int32_t CSM_CALL lend_memory(void *user, const csm_d3d12_memory_request *
   assert_int_equal(request->struct_size, sizeof *request);
   assert_true(request->size && request->alignment && request->name);
   assert_in_range(request->heap_type, D3D12_HEAP_TYPE_DEFAULT, D3D12_HEAP_TYPE_READBACK);
-  if (++rig->lent.requests == rig->lent.refuse_at)
-    return E_OUTOFMEMORY;
+  const bool at = ++rig->lent.requests == rig->lent.refuse_at;
+  const bool wrong = at && rig->lent.lapse != RIG_UNMAPPED;
+  rig->lent.lapses += wrong;
+  if (wrong && rig->lent.lapse <= RIG_NOTHING)
+    return rig->lent.lapse == RIG_REFUSAL ? E_OUTOFMEMORY : S_OK;
   const D3D12_HEAP_DESC description = {.SizeInBytes = request->size + request->alignment,
                                        .Properties = {.Type = request->heap_type},
                                        .Alignment = request->alignment,
@@ -16,7 +19,7 @@ static int32_t CSM_CALL lend_memory(void *user, const csm_d3d12_memory_request *
   const HRESULT hr = ID3D12Device_CreateHeap(rig->device, &description, &IID_ID3D12Heap, &out->heap);
   if (FAILED(hr))
     return hr;
-  out->offset = request->alignment;
+  out->offset = wrong && rig->lent.lapse == RIG_ODD_OFFSET ? 1 : request->alignment;
   out->handle = out->heap;
   rig->lent_kinds |= 1u << request->heap_type;
   if (++rig->lent.pieces > rig->lent.most)

@@ -51,8 +51,12 @@ uint32_t rig_vulkan_memory_type(const rig *rig, uint32_t allowed, VkMemoryProper
 /* Each piece begins somewhere in its allocation, as it does with an allocator that shares. */
 static VkResult CSM_CALL lend_memory(void *user, const csm_vulkan_memory_request *request, csm_vulkan_memory *out) {
   rig *rig = user;
-  if (++rig->lent.requests == rig->lent.refuse_at)
-    return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  const bool visible = request->required & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
+  const bool at = ++rig->lent.requests == rig->lent.refuse_at;
+  const bool wrong = at && (rig->lent.lapse != RIG_UNMAPPED || visible);
+  rig->lent.lapses += wrong;
+  if (wrong && rig->lent.lapse <= RIG_NOTHING)
+    return rig->lent.lapse == RIG_REFUSAL ? VK_ERROR_OUT_OF_DEVICE_MEMORY : VK_SUCCESS;
   uint32_t type = rig_vulkan_memory_type(rig, request->memory_type_bits, request->required | request->preferred);
   if (type == UINT32_MAX)
     type = rig_vulkan_memory_type(rig, request->memory_type_bits, request->required);
@@ -64,10 +68,10 @@ static VkResult CSM_CALL lend_memory(void *user, const csm_vulkan_memory_request
                                      .memoryTypeIndex = type};
   VkResult result = vkAllocateMemory(rig->device, &info, NULL, &out->memory);
   void *mapped = NULL;
-  if (result == VK_SUCCESS && (request->required & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT))
+  if (result == VK_SUCCESS && visible)
     result = vkMapMemory(rig->device, out->memory, 0, VK_WHOLE_SIZE, 0, &mapped);
-  out->offset = request->alignment;
-  out->mapped = mapped ? (char *)mapped + out->offset : NULL;
+  out->offset = wrong && rig->lent.lapse == RIG_ODD_OFFSET ? 1 : request->alignment;
+  out->mapped = mapped && !(wrong && rig->lent.lapse == RIG_UNMAPPED) ? (char *)mapped + out->offset : NULL;
   out->handle = rig;
   if (++rig->lent.pieces > rig->lent.most)
     rig->lent.most = rig->lent.pieces;

@@ -169,40 +169,6 @@ static void the_engines_cache_is_used(void **state) {
   assert_int_equal(uncached, 0);
 }
 
-/* Leaves the memory VK_NULL_HANDLE. */
-static VkResult CSM_CALL lend_nothing(void *user, const csm_vulkan_memory_request *request, csm_vulkan_memory *out) {
-  (void)request, (void)out;
-  ++*(int *)user;
-  return VK_SUCCESS;
-}
-
-static void CSM_CALL take_nothing_back(void *user, const csm_vulkan_memory *memory) {
-  *(int *)user -= memory->memory == VK_NULL_HANDLE;
-}
-
-/* What an allocator gives wrong is an error by name, and it gets it back. */
-static void an_allocator_may_lend_nothing(void **state) {
-  (void)state;
-  record record = {0};
-  csm_context *context = NULL;
-  csm_cascades *cascades = NULL;
-  int lent = 0;
-  rig *rig = rig_open(RIG_TYPICAL);
-  rig->native.allocate_memory = lend_nothing;
-  rig->native.free_memory = take_nothing_back;
-  rig->native.memory_user = &lent;
-  const csm_create_info info = stage_create_info(rig, &record);
-  const csm_config config = support_config();
-  record.quiet = true;
-  assert_int_equal(csm_create(&info, &context), CSM_SUCCESS);
-  assert_int_equal(csm_cascades_create(context, &config, &cascades), CSM_ERROR_DEVICE);
-  assert_null(cascades);
-  csm_destroy(context);
-  assert_int_equal(record.blocks, 0);
-  assert_int_equal(lent, 0);
-  rig_close(rig);
-}
-
 /* ---- manners ---- */
 
 /* From opening to a mask, with what is loaded late. */
@@ -232,8 +198,8 @@ int main(int argc, char **argv) {
   gpu = hello.backend;
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_clamp_follows_the_engine), cmocka_unit_test(a_device_that_clips_is_refused),
-      cmocka_unit_test(the_engines_cache_is_used),    cmocka_unit_test(an_allocator_may_lend_nothing),
-      cmocka_unit_test(asks_for_no_more_than_it_may), cmocka_unit_test(a_foreign_image_is_refused),
+      cmocka_unit_test(the_engines_cache_is_used),    cmocka_unit_test(asks_for_no_more_than_it_may),
+      cmocka_unit_test(a_foreign_image_is_refused),
   };
   char *arguments[] = {argv[0], (char *)"vulkan"};
   return gpu ? support_main(2, arguments, tests, sizeof tests / sizeof tests[0]) : 2;

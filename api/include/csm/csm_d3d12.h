@@ -39,7 +39,8 @@ typedef struct csm_d3d12_memory {
 } csm_d3d12_memory;
 
 /* Called inside csm's own calls that create, on the same thread. Must not call back into csm. An HRESULT: S_OK, or
-   E_OUTOFMEMORY where there is none. */
+   E_OUTOFMEMORY where there is none, with nothing given. A NULL heap is OUT_OF_DEVICE_MEMORY. A piece that breaks the
+   rules above is freed, and DEVICE. */
 typedef int32_t(CSM_CALL *csm_d3d12_allocate_function)(void *user, const csm_d3d12_memory_request *request,
                                                        csm_d3d12_memory *out);
 /* Takes back a piece, once no resource lies in it and the GPU is done with it. Must not call back into csm. */
@@ -50,7 +51,7 @@ typedef struct csm_d3d12_device {
   uint32_t reserved;              /* 0 */
   void *device;                   /* ID3D12Device*; csm holds a reference of its own */
   void *serialize_root_signature; /* PFN_D3D12_SERIALIZE_ROOT_SIGNATURE, so that no run time is loaded twice */
-  /* Fields from here on may be left 0. */
+  /* Fields from here on may be left 0. The allocator outlives the context. */
   csm_d3d12_allocate_function allocate_memory; /* all resources; NULL: committed resources. Both, or neither */
   csm_d3d12_free_function free_memory;
   void *memory_user;
@@ -59,8 +60,11 @@ typedef struct csm_d3d12_device {
 /* An image to sample: the camera's depth, or normals; in a state that pixel shaders read, and left in it. */
 typedef struct csm_d3d12_image {
   uint32_t struct_size;
-  uint32_t format; /* DXGI_FORMAT to view it with, such as R32_FLOAT for a typeless depth image */
-  void *resource;  /* ID3D12Resource*, 2D, one layer */
+  /* DXGI_FORMAT to view it with. Depth: R32_FLOAT, R32_FLOAT_X8X24_TYPELESS, R24_UNORM_X8_TYPELESS, R16_UNORM, R16_FLOAT.
+     Normals: R8G8B8A8 and R16G16B16A16 as UNORM or SNORM, R16G16B16A16 and R32G32B32A32 as FLOAT, R32G32B32_FLOAT,
+     B8G8R8A8_UNORM, R10G10B10A2_UNORM. */
+  uint32_t format;
+  void *resource; /* ID3D12Resource*, 2D, one layer */
   uint32_t width, height;
 } csm_d3d12_image;
 
@@ -71,10 +75,10 @@ typedef struct csm_d3d12_mesh {
   void *vertices;         /* ID3D12Resource* */
   uint64_t vertex_offset; /* of the first position: three floats */
   void *indices;          /* ID3D12Resource* */
-  uint64_t index_offset;
-  uint64_t uv_offset; /* of the first pair of floats, in `vertices`; read only for a mesh with an alpha mask */
-  uint32_t uv_stride; /* bytes, a multiple of 4, at least 8 */
-  uint32_t reserved;  /* 0 */
+  uint64_t index_offset;  /* below 4 GiB, as are the indices */
+  uint64_t uv_offset;     /* of the first pair of floats, in `vertices`; read only for a mesh with an alpha mask */
+  uint32_t uv_stride;     /* bytes, a multiple of 4, at least 8 */
+  uint32_t reserved;      /* 0 */
 } csm_d3d12_mesh;
 
 #ifdef __cplusplus

@@ -8,7 +8,7 @@
  * push constants; nothing else.
  *
  * The maps and the mask rest in VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL, owned by queue_family, and each recording
- * makes what it wrote visible to fragment and compute shaders that follow in the queue. An engine may sample them
+ * makes what it wrote visible to vertex, fragment and compute shaders that follow in the queue. An engine may sample them
  * there, and leaves them in that layout.
  */
 #ifndef CSM_VULKAN_H
@@ -42,7 +42,8 @@ typedef struct csm_vulkan_memory {
 } csm_vulkan_memory;
 
 /* Called inside csm's own calls that create, on the same thread. Must not call back into csm. VK_SUCCESS, or the error
-   of vkAllocateMemory that comes closest. */
+   of vkAllocateMemory that comes closest, with nothing given. A NULL memory is OUT_OF_DEVICE_MEMORY. A piece that breaks
+   the rules above is freed, and DEVICE. */
 typedef VkResult(CSM_CALL *csm_vulkan_allocate_function)(void *user, const csm_vulkan_memory_request *request,
                                                          csm_vulkan_memory *out);
 /* Takes back a piece, once nothing is bound to it and the GPU is done with it. Must not call back into csm. */
@@ -61,7 +62,7 @@ typedef struct csm_vulkan_device {
   uint32_t extension_count;
   uint32_t reserved2;                       /* 0 */
   const VkPhysicalDeviceFeatures *features; /* features that are enabled; NULL means none */
-  /* Fields from here on may be left 0. */
+  /* Fields from here on may be left 0. The cache and the allocator outlive the context. */
   VkPipelineCache pipeline_cache; /* pipelines are made with it, on the thread that calls csm */
   uint32_t dynamic_rendering;     /* 1: its feature is enabled, and csm's passes use it; 0: they use render passes */
   uint32_t reserved3;             /* 0 */
@@ -78,7 +79,9 @@ typedef struct csm_vulkan_image {
   uint32_t struct_size;
   uint32_t layout; /* VkImageLayout: SHADER_READ_ONLY_OPTIMAL, DEPTH_STENCIL_READ_ONLY_OPTIMAL or GENERAL */
   VkImageView view;
-  uint32_t format; /* VkFormat */
+  /* VkFormat. Depth: D16, X8_D24, D24, D32, the same with S8, R16 and R32 as SFLOAT, R16_UNORM. Normals: RGBA8 and RGBA16
+     as UNORM or SNORM, RGBA16 and RGBA32 as SFLOAT, R32G32B32_SFLOAT, B8G8R8A8_UNORM, A2B10G10R10_UNORM. */
+  uint32_t format;
   uint32_t width, height;
   uint32_t reserved; /* 0 */
 } csm_vulkan_image;

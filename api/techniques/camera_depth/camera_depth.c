@@ -68,6 +68,7 @@ static uint64_t size(const void *self, const technique_run *run) {
 static csm_result import(device *device, technique_picture *picture) {
   const engine_image from = {.native = picture->engines_depth,
                              .name = "csm_mask_info: camera_depth",
+                             .texels = GPU_TEXELS_DEPTH,
                              .width = picture->width,
                              .height = picture->height};
   engine_imported imported;

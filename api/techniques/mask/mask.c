@@ -40,6 +40,7 @@ static uint64_t size(const void *self, const technique_run *run) {
 static csm_result import(device *device, const technique_picture *picture, engine_imported *out) {
   const engine_image from = {.native = picture->engines_normals,
                              .name = "csm_mask_info: normals",
+                             .texels = GPU_TEXELS_NORMALS,
                              .width = picture->width,
                              .height = picture->height};
   return engine_image_import(device, &from, out);

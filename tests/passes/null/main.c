@@ -57,7 +57,10 @@ static void make_resources(fixture *f) {
   for (uint32_t i = 0; i < LEVELS; i++)
     gpu_view_create(f->g, &(gpu_view_info){"level", f->texture, {0, 1, i, 1}}, &f->levels[i]);
   gpu_target_create(f->g, &(gpu_target_info){.name = "target", .depth = f->depth, .color = f->color}, &f->target);
-  gpu_target_create(f->g, &(gpu_target_info){.name = "level 1", .color = f->texture, .color_level = 1}, &f->level_1);
+  for (uint32_t i = 0; i < LEVELS; i++)
+    gpu_target_create(f->g, &(gpu_target_info){.name = "level", .color = f->texture, .color_level = i},
+                      &f->level_targets[i]);
+  f->level_1 = f->level_targets[1];
   gpu_buffer_create(f->g, &(gpu_buffer_info){"upload", GPU_BUFFER_UPLOAD, BUFFER_SIZE, GPU_BUFFER_READ}, &f->upload);
   gpu_buffer_create(f->g, &(gpu_buffer_info){"device", GPU_BUFFER_DEVICE, BUFFER_SIZE, usage}, &f->device);
   gpu_buffer_create(f->g, &(gpu_buffer_info){"other", GPU_BUFFER_DEVICE, BUFFER_SIZE, usage}, &f->other);
@@ -131,6 +134,8 @@ static int tear_down(void **state) {
                                    f->storing, f->computing,     f->plain_computing};
   gpu_buffer *const buffers[] = {f->upload, f->device, f->other, f->readback};
   gpu_end(f->g);
+  gpu_wait(f->g, 0);
+  f->breach[0] = 0;
   for (size_t i = 0; i < COUNT_OF(bindings); i++)
     gpu_bindings_destroy(f->g, bindings[i]);
   for (size_t i = 0; i < COUNT_OF(programs); i++)
@@ -138,14 +143,15 @@ static int tear_down(void **state) {
   for (size_t i = 0; i < COUNT_OF(buffers); i++)
     gpu_buffer_destroy(f->g, buffers[i]);
   gpu_target_destroy(f->g, f->target);
-  gpu_target_destroy(f->g, f->level_1);
-  for (uint32_t i = 0; i < LEVELS; i++)
+  for (uint32_t i = 0; i < LEVELS; i++) {
+    gpu_target_destroy(f->g, f->level_targets[i]);
     gpu_view_destroy(f->g, f->levels[i]);
+  }
   gpu_image_destroy(f->g, f->depth);
   gpu_image_destroy(f->g, f->color);
   gpu_image_destroy(f->g, f->texture);
   gpu_close(f->g);
-  return 0;
+  return f->breach[0] != 0;
 }
 
 int main(int count, char **arguments) {
@@ -163,6 +169,8 @@ int main(int count, char **arguments) {
       cmocka_unit_test_setup_teardown(test_recordings, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_passes, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_commands, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(test_stamps, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(test_lives, set_up, tear_down),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -17,9 +17,10 @@ enum { WIDTH = 64, HEIGHT = 32, LAYERS = 2, LEVELS = 3, BUFFER_SIZE = 1 << 16 };
 typedef struct fixture {
   gpu_host host;
   gpu g;
-  gpu_image *depth, *color, *texture; /* the texture has levels, is sampled, stored to, drawn into and copied */
-  gpu_view *levels[LEVELS];           /* of the texture */
-  gpu_target *target, *level_1;       /* depth and colour; level 1 of the texture */
+  gpu_image *depth, *color, *texture;         /* the texture has levels, is sampled, stored to, drawn into and copied */
+  gpu_view *levels[LEVELS];                   /* of the texture */
+  gpu_target *target, *level_targets[LEVELS]; /* depth and colour; levels of the texture */
+  gpu_target *level_1;                        /* one of these */
   gpu_buffer *upload, *device, *other, *readback;
   gpu_program *drawing, *drawing_level, *reading, *storing, *computing, *plain_computing;
   gpu_bindings *reads, *reads_all, *stores, *computes;
@@ -42,5 +43,7 @@ void test_capabilities(void **state);
 void test_recordings(void **state); /* recordings.c */
 void test_passes(void **state);
 void test_commands(void **state);
+void test_stamps(void **state);
+void test_lives(void **state);
 
 #endif

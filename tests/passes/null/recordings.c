@@ -14,11 +14,8 @@ typedef struct row {
 static const gpu_rect nothing = {0};
 
 static void clear_level(fixture *f, uint32_t level) {
-  gpu_target *target = NULL;
-  gpu_target_create(f->g, &(gpu_target_info){.name = "level", .color = f->texture, .color_level = level}, &target);
-  gpu_pass_begin(f->g, &(gpu_pass_info){.target = target, .color_load = GPU_LOAD_CLEAR});
+  gpu_pass_begin(f->g, &(gpu_pass_info){.target = f->level_targets[level], .color_load = GPU_LOAD_CLEAR});
   gpu_pass_end(f->g);
-  gpu_target_destroy(f->g, target);
 }
 
 static void begin_level_1(fixture *f, gpu_load load) {
@@ -91,12 +88,9 @@ static void reads_the_unwritten(fixture *f) {
 }
 
 static void reads_the_discarded(fixture *f) {
-  gpu_target *target = NULL;
-  gpu_target_create(f->g, &(gpu_target_info){.name = "level 0", .color = f->texture}, &target);
   clear_level(f, 0);
-  gpu_pass_begin(f->g, &(gpu_pass_info){.target = target, .color_load = GPU_LOAD_DISCARD});
+  gpu_pass_begin(f->g, &(gpu_pass_info){.target = f->level_targets[0], .color_load = GPU_LOAD_DISCARD});
   gpu_pass_end(f->g);
-  gpu_target_destroy(f->g, target);
   gpu_make_readable(f->g, f->texture, NULL);
   bind_in_pass(f, f->reading, f->reads, NULL);
 }
@@ -202,6 +196,57 @@ static void binds_another_shape(fixture *f) {
   bind_in_pass(f, f->drawing_level, f->reads, NULL);
 }
 
+/* A program that reads level 0 as f->reading does, but for a sampler or a constant. */
+static void binds_beside(fixture *f, gpu_program_info more) {
+  gpu_program_info info = null_drawing;
+  gpu_program *program = NULL;
+  info.depth_format = GPU_FORMAT_NONE;
+  info.depth_compare = GPU_COMPARE_NONE;
+  info.color_format = GPU_FORMAT_R32_FLOAT;
+  info.texture_count = 1;
+  info.constants_count = more.constants_count;
+  info.constants_sizes[0] = more.constants_sizes[0];
+  info.sampler_count = more.sampler_count;
+  info.samplers[0] = more.samplers[0];
+  gpu_program_create(f->g, &info, &program);
+  info.constants_sizes[0] *= 2;
+  info.samplers[0] = GPU_SAMPLER_LINEAR_CLAMP;
+  gpu_program *other = NULL;
+  gpu_program_create(f->g, &info, &other);
+  gpu_bindings *bindings = NULL;
+  gpu_bindings_create(
+      f->g,
+      &(gpu_bindings_info){
+          .name = "beside", .program = other, .constants = {f->upload}, .texture_views = {f->levels[0]}},
+      &bindings);
+  bind_in_pass(f, program, bindings, NULL);
+  gpu_end(f->g);
+  gpu_wait(f->g, 0);
+  gpu_bindings_destroy(f->g, bindings);
+  gpu_program_destroy(f->g, other);
+  gpu_program_destroy(f->g, program);
+  gpu_begin(f->g, &(gpu_record_info){.first = true});
+}
+
+static void binds_other_samplers(fixture *f) {
+  binds_beside(f, (gpu_program_info){.sampler_count = 1, .samplers = {GPU_SAMPLER_POINT_CLAMP}});
+}
+
+static void binds_other_constants(fixture *f) {
+  binds_beside(f, (gpu_program_info){.constants_count = 1, .constants_sizes = {256}});
+}
+
+static void forgets_what_was_bound(fixture *f) {
+  clear_level(f, 0);
+  gpu_make_readable(f->g, f->texture, &(gpu_range){0, 1, 0, 1});
+  begin_level_1(f, GPU_LOAD_CLEAR);
+  gpu_pass_program(f->g, f->reading);
+  gpu_pass_bind(f->g, f->reads, NULL);
+  gpu_pass_program(f->g, f->reading);
+  gpu_pass_draw(f->g, &(gpu_draw){.streams = {f->upload}, .count = 3, .instance_count = 1});
+  gpu_pass_end(f->g);
+}
+
 void test_passes(void **state) {
   static const char unwritten[] = "pass_bind: a texture was never written, or was discarded";
   static const char kept[] = "pass_begin: it keeps what was never written, or was discarded";
@@ -228,6 +273,9 @@ void test_passes(void **state) {
       {program_of_other_formats, "pass_program: made for targets of other formats"},
       {program_that_computes, "pass_program: the program computes"},
       {binds_another_shape, "pass_bind: no pass is open, or bindings of a program of another shape"},
+      {binds_other_samplers, "pass_bind: no pass is open, or bindings of a program of another shape"},
+      {binds_other_constants, "pass_bind: no pass is open, or bindings of a program of another shape"},
+      {forgets_what_was_bound, "pass_draw: nothing is bound"},
   };
   run_rows(*state, rows, COUNT_OF(rows));
 }
@@ -444,4 +492,124 @@ void test_recordings(void **state) {
   test_copies_out(f);
   test_copies_in(f);
   test_buffer_copies(f);
+}
+
+/* ---- timestamps, markers and slots ---- */
+
+static void stamps(fixture *f) {
+  gpu_timestamp(f->g, 3);
+}
+
+static void stamps_beyond(fixture *f) {
+  gpu_timestamp(f->g, GPU_MAX_TIMESTAMPS);
+}
+
+static void stamps_in_a_pass(fixture *f) {
+  begin_target(f);
+  gpu_timestamp(f->g, 4);
+  gpu_pass_end(f->g);
+}
+
+static void marks_in_a_pass(fixture *f) {
+  begin_target(f);
+  gpu_marker_begin(f->g, "pass");
+  gpu_pass_end(f->g);
+  gpu_marker_end(f->g);
+}
+
+static void ends_no_marker(fixture *f) {
+  gpu_marker_end(f->g);
+}
+
+static void again(fixture *f, bool first) {
+  gpu_end(f->g);
+  gpu_begin(f->g, &(gpu_record_info){.first = first});
+}
+
+static void ends_with_a_marker(fixture *f) {
+  gpu_marker_begin(f->g, "open");
+  again(f, false);
+}
+
+static void stamps_again_in_a_frame(fixture *f) {
+  again(f, false);
+  gpu_timestamp(f->g, 3);
+}
+
+static void stamps_in_the_next_frame(fixture *f) {
+  again(f, true);
+  gpu_timestamp(f->g, 3);
+}
+
+static void stamps_outside(fixture *f) {
+  gpu_end(f->g);
+  gpu_timestamp(f->g, 5);
+  gpu_begin(f->g, &(gpu_record_info){.first = false});
+}
+
+static void begins_in_no_slot(fixture *f) {
+  gpu_end(f->g);
+  gpu_begin(f->g, &(gpu_record_info){.slot = 1});
+}
+
+static void waits_for_no_slot(fixture *f) {
+  gpu_wait(f->g, 1);
+}
+
+static void reads_its_stamp(fixture *f) {
+  uint64_t nanoseconds[2];
+  assert_int_equal(gpu_timestamps(f->g, 0, 3, 1, nanoseconds), CSM_SUCCESS);
+  assert_int_equal(nanoseconds[0], 3000000);
+}
+
+static void reads_more_stamps(fixture *f) {
+  uint64_t nanoseconds[2];
+  gpu_timestamps(f->g, 0, 3, 2, nanoseconds);
+}
+
+void test_stamps(void **state) {
+  const row rows[] = {
+      {stamps, NULL},
+      {stamps, "timestamp: taken before in this frame"},
+      {stamps_beyond, "timestamp: no such index"},
+      {stamps_again_in_a_frame, "timestamp: taken before in this frame"},
+      {stamps_in_the_next_frame, NULL},
+      {reads_its_stamp, NULL},
+      {reads_more_stamps, "timestamps: one was not taken"},
+      {stamps_in_a_pass, "timestamp: not between begin and end, or in a pass"},
+      {stamps_outside, "timestamp: not between begin and end, or in a pass"},
+      {marks_in_a_pass, "marker_begin: not between begin and end, or in a pass"},
+      {ends_no_marker, "marker_end: no marker is open"},
+      {ends_with_a_marker, "end: a marker is open"},
+      {begins_in_no_slot, "begin: no such slot"},
+      {waits_for_no_slot, "wait: no such slot"},
+  };
+  run_rows(*state, rows, COUNT_OF(rows));
+}
+
+/* ---- what a recording uses ---- */
+
+/* Destroyed while a recording is open, or in flight; and when it is waited for. */
+void test_lives(void **state) {
+  fixture *f = *state;
+  gpu_buffer *buffers[3] = {NULL};
+  for (size_t i = 0; i < COUNT_OF(buffers); i++) {
+    gpu_buffer_create(f->g, &(gpu_buffer_info){.name = "b", .kind = GPU_BUFFER_DEVICE, .size = 16}, &buffers[i]);
+    gpu_copy_buffer(f->g, buffers[i], 0, f->upload, 0, 16);
+  }
+  gpu_buffer_destroy(f->g, buffers[0]);
+  expect(f, "buffer_destroy: a recording uses it");
+  clear_level(f, 0);
+  gpu_make_readable(f->g, f->texture, NULL);
+  bind_in_pass(f, f->reading, f->reads, NULL);
+  expect(f, NULL);
+  gpu_bindings_write(f->g, f->reads, &(gpu_bindings_info){.program = f->reading, .texture_views = {f->levels[0]}});
+  expect(f, "bindings_write: a recording uses them");
+  gpu_end(f->g);
+  gpu_buffer_destroy(f->g, buffers[1]);
+  expect(f, "buffer_destroy: a recording uses it");
+  gpu_wait(f->g, 0);
+  gpu_buffer_destroy(f->g, buffers[2]);
+  expect(f, NULL);
+  gpu_begin(f->g, &(gpu_record_info){.first = true});
 }
