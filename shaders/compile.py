@@ -32,6 +32,7 @@ STAGES = {"vs": ("vert", "vs_5_0"), "ps": ("frag", "ps_5_0"), "cs": ("comp", "cs
 SPIRV_OPTIONS = (
     "-D -V -g0 -e main --quiet --target-env vulkan1.1 --hlsl-iomap --shift-cbuffer-binding 0 --shift-texture-binding 16 "
     "--shift-uav-binding 32 --shift-sampler-binding 48").split()
+MISREAD = re.compile(r"^\s*mov (r\d+)\.yzw, (?!\1\b)r\d+\.xyzw$", re.MULTILINE)
 INCLUDE = re.compile(r'\s*#\s*include\s*"([^"]+)"')
 
 
@@ -243,6 +244,11 @@ def compile_dxbc(compiler, program, folder):
     source, output = folder / f"{program.name}.hlsl", folder / f"{program.name}.dxbc"
     source.write_text(program.text())
     run(compiler, "-x", "hlsl", "-b", "dxbc-tpf", "-p", STAGES[program.stage][1], "-e", "main", "-o", output, source)
+    listing = folder / f"{program.name}.asm"
+    run(compiler, "-x", "dxbc-tpf", "-b", "d3d-asm", "-o", listing, output)
+    misread = MISREAD.search(listing.read_text())
+    if misread:
+        sys.exit(f"{program.name}: vkd3d 1.2 misreads '{misread[0].strip()}'; write the vector so that it begins at x")
     return output.read_bytes()
 
 

@@ -49,7 +49,7 @@
 #define CSM_M_NORMALS 7 /* three rows: a texel of the engine's normals (x, y, z, 1) to light space */
 #define CSM_M_SIZE 10   /* width, height, 1 / width, 1 / height */
 #define CSM_M_CLEAR 11  /* depth of a pixel without a surface; CSM_VIEW_* */
-#define CSM_M_DEPTH 12  /* view depth of a point of light space: dot(p, xyz) */
+#define CSM_M_DEPTH 12  /* view depth of a point of light space: dot(p, xyz) + w */
 #define CSM_M_COUNT 13
 
 /* What C and C++ see: the same blocks as structs, for an engine's own buffers and debugging. */

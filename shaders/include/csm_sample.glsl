@@ -10,7 +10,8 @@
 //   CSM_CONSTANTS    what is indexed for a float4 of the blocks (csm_c)
 //   CSM_CONSTANT(i)  or how one is had, where they are no array: a function, a texture, two blocks (CSM_CONSTANTS[i])
 //   CSM_PREFIX       what the functions' and structs' names begin with, in place of csm_; this may be included again then,
-//                    for another light, and forgets all defines but those of the shared headers
+//                    for another light, and forgets all defines but those of the shared headers. Where there are several
+//                    inclusions, all but the last have one
 //   CSM_MAPS         the maps (csm_maps)
 //   CSM_SAMPLER      a samplerShadow, where CSM_MAPS is a texture2DArray without one
 //   CSM_DEPTHS       a sampler2DArray of the same maps, point and clamped: faster, and needed for filter linear_depth,

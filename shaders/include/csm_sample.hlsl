@@ -10,7 +10,8 @@
 //   CSM_CONSTANTS    what is indexed for a float4 of the blocks (csm_c)
 //   CSM_CONSTANT(i)  or how one is had, where they are no array: a function, a texture, two blocks (CSM_CONSTANTS[i])
 //   CSM_PREFIX       what the functions' and structs' names begin with, in place of csm_; this may be included again then,
-//                    for another light, and forgets all defines but those of the shared headers
+//                    for another light, and forgets all defines but those of the shared headers. Where there are several
+//                    inclusions, all but the last have one
 //   CSM_MAPS         the maps (csm_maps)
 //   CSM_POINT        a sampler, point and clamped: four texels are gathered at once then, which is faster
 //   CSM_COMPARE(uv, layer, reference)   a bilinear comparison of the includer's own, to read through instead
@@ -59,7 +60,10 @@
 #define CSM_DEPTH(texel, layer) CSM_MAPS.Load(int4(int2(texel), int(layer), 0))
 #define CSM_TEXEL_LIT(texel, layer, reference) float((reference) * CSM_SIDE <= CSM_DEPTH(texel, layer) * CSM_SIDE)
 #ifdef CSM_POINT
-#define CSM_DEPTHS_4(texel, layer) CSM_MAPS.Gather(CSM_POINT, float3((texel + 1.0) * CSM_CONSTANT(CSM_C_PARAMS).zw, layer)).wzxy
+// Of four components, so that the compiler's place for them begins at a register's first: vkd3d 1.2 misreads
+// `mov r.yzw, q.xyzw`.
+#define CSM_DEPTHS_4(texel, layer)                                                                                     \
+    CSM_MAPS.Gather(CSM_POINT, float4((texel + 1.0) * CSM_CONSTANT(CSM_C_PARAMS).zw, layer, layer).xyz).wzxy
 #else
 #define CSM_DEPTHS_4(texel, layer)                                                                                     \
     float4(CSM_DEPTH(texel, layer), CSM_DEPTH((texel + float2(1.0, 0.0)), layer),                                      \

@@ -101,7 +101,7 @@ float2 depth_steps(float2 place, float depth)
 // View depth of a point of light space.
 float light_view_depth(float3 at)
 {
-    return csm_dot(float3(inputs.offset_0.w, inputs.offset_1.w, inputs.offset_2.w), at);
+    return csm_row(float4(inputs.offset_0.w, inputs.offset_1.w, inputs.offset_2.w, mask_c[CSM_M_DEPTH].w), at);
 }
 
 // A unit vector; towards the light where there is no direction.

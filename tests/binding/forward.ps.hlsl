@@ -21,10 +21,16 @@ float4 sun_constant(int i)
 SamplerState moon_sampler : register(s0);
 #define CSM_PREFIX sun_
 #define CSM_CONSTANT(i) sun_constant(i)
+#define CSM_BLENDING CSM_BLEND_OFF
+#define CSM_SELECTION CSM_SELECT_MAP
+#define CSM_CASCADES 4
 #include "csm_sample.hlsl"
 #define CSM_PREFIX moon_
 #define CSM_MAPS csm_maps
 #define CSM_POINT moon_sampler
+#define CSM_BLENDING CSM_BLEND_OFF
+#define CSM_SELECTION CSM_SELECT_MAP
+#define CSM_CASCADES 4
 #include "csm_sample.hlsl"
 
 float visibility(float3 position)
