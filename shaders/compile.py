@@ -153,6 +153,8 @@ def key_of(source, index, values):
 
 def key_function(name, source, index):
     """What makes a key of the defines' values."""
+    for axis in source["axes"]:
+        assert len(axis["values"]) <= 16, f"{source['file']}: {axis['name']} has more values than four bits tell apart"
     parameters = ", ".join(f"int32_t {axis['name']}" for axis in source["axes"])
     lines = [f"static inline uint64_t shader_key_{name}({parameters}) {{", f"  uint64_t key = {index};"]
     lines += [f"  key = key << 4 | ((uint32_t)({axis['name']} - ({axis.get('first', 0)})) & 15u);" for axis in source["axes"]]

@@ -28,13 +28,14 @@ float2 bounds(int2 pixel)
 float2 main(float4 screen : SV_Position) : SV_Target
 {
     int2 first = int2(screen.xy) * TILE_SIDE;
+    int2 last = int2(tiles_c[0].xy) - 1; // what lies past it must not be read
     float2 all = nothing;
     for (int y = 0; y < TILE_SIDE; ++y)
     {
         for (int x = 0; x < TILE_SIDE; ++x)
         {
             int2 at = first + int2(x, y);
-            float2 more = bounds(at);
+            float2 more = bounds(min(at, last));
             bool there = (float)at.x < tiles_c[0].x && (float)at.y < tiles_c[0].y;
             all = there ? float2(min(all.x, more.x), max(all.y, more.y)) : all;
         }

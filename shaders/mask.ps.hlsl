@@ -18,7 +18,7 @@ float main(mask_inputs pixel) : SV_Target
     float2 place = pixel.position.xy;
     float depth = camera_depth.Load(int3(int2(place), 0));
     float3 at = light_position(place, depth), normal = surface_normal(place, depth);
-#if CSM_NORMAL_OFFSET != 0
+#if CSM_NORMAL_OFFSET_ON != 0
     normal = unit(normal);
 #endif
     float lit = csm_visibility_of(csm_receiver_of(at, normal, light_view_depth(at)));

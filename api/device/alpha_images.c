@@ -1,6 +1,6 @@
 #include "device/alpha_images.h"
 
-#include "private/opacity.h"
+#include "private/alpha_mask.h"
 #include "shader_code.h"
 #include <string.h>
 
@@ -128,7 +128,7 @@ void alpha_images_destroy(device *device) {
 
 void alpha_mask_write(void *out, const csm_alpha_mask_info *info, float cutoff) {
   float block[ALPHA_MASK_BLOCK / sizeof(float)] = {0};
-  float *size = &block[OPACITY_SIZE * 4], *wrap = &block[OPACITY_WRAP * 4];
+  float *size = &block[ALPHA_MASK_SIZE * 4], *wrap = &block[ALPHA_MASK_WRAP * 4];
   size[0] = (float)info->width;
   size[1] = (float)info->height;
   size[2] = cutoff;
@@ -142,8 +142,8 @@ static csm_result make_shape(gpu gpu, const void *about, gpu_program **out) {
   (void)about;
   const gpu_program_info info = {
       .name = "alpha mask bindings",
-      .vertex = shader_cascade_depth_opacity_vs,
-      .pixel = shader_opacity_ps,
+      .vertex = shader_cascade_depth_alpha_mask_vs,
+      .pixel = shader_alpha_mask_ps,
       .stream_count = 3,
       .streams = {{.stride = 12}, {.stride = 48, .per_instance = true}, {.stride = 8}},
       .attribute_count = 5,

@@ -38,7 +38,7 @@ static const char *const depths[] = {[CSM_DEPTH_CASTERS] = "casters",
 static const char *const pancakings[] = {[CSM_PANCAKING_CLAMP] = "clamp", [CSM_PANCAKING_CLIP] = "clip", NULL};
 static const char *const snaps[] = {
     [CSM_SNAP_ROUND] = "round", [CSM_SNAP_FLOOR] = "floor", [CSM_SNAP_OFF] = "off", NULL};
-static const char *const rolls[] = {[CSM_LIGHT_ROLL_FIXED] = "fixed", [CSM_LIGHT_ROLL_CARRIED] = "carried", NULL};
+static const char *const light_rolls[] = {[CSM_LIGHT_ROLL_FIXED] = "fixed", [CSM_LIGHT_ROLL_CARRIED] = "carried", NULL};
 static const char *const samples[] = {[CSM_DEPTH_SAMPLES_OFF] = "off",
                                       [CSM_DEPTH_SAMPLES_SPLITS] = "splits",
                                       [CSM_DEPTH_SAMPLES_BOUNDS] = "bounds",
@@ -49,9 +49,9 @@ static const char *const out_of_ranges[] = {
     [CSM_OUT_OF_RANGE_LIT] = "lit", [CSM_OUT_OF_RANGE_DARK] = "dark", [CSM_OUT_OF_RANGE_FADED] = "faded", NULL};
 static const char *const blends[] = {
     [CSM_BLEND_OFF] = "off", [CSM_BLEND_LINEAR] = "linear", [CSM_BLEND_DITHERED] = "dithered", NULL};
-static const char *const culls[] = {
+static const char *const face_cullings[] = {
     [CSM_FACE_CULLING_NONE] = "none", [CSM_FACE_CULLING_FRONT] = "front", [CSM_FACE_CULLING_BACK] = "back", NULL};
-static const char *const culling[] = {[CSM_CASTER_SET_MAP] = "map", [CSM_CASTER_SET_VIEW] = "view", NULL};
+static const char *const caster_sets[] = {[CSM_CASTER_SET_MAP] = "map", [CSM_CASTER_SET_VIEW] = "view", NULL};
 static const char *const layouts[] = {[CSM_LAYOUT_ARRAY] = "array", [CSM_LAYOUT_ATLAS] = "atlas", NULL};
 static const char *const formats[] = {[CSM_MAP_D32] = "d32", [CSM_MAP_D16] = "d16", NULL};
 static const char *const switches[] = {"off", "on", NULL};
@@ -105,7 +105,7 @@ static const config_entry entries[] = {
     ENTRY(split_distances, .type = CSM_FIELD_DOUBLES, .length = CSM_MAX_CASCADES, .minimum = 0.0, .maximum = 1e9,
           .default_value = 0.0, .unit = "m",
           .about = "Where each cascade ends, rising: as view depth with split_mode manual, as a share of the way from "
-                   "the near plane to the end of shadows with shares."),
+                   "the near plane to the end of shadows with fractions."),
     ENTRY(depth_samples, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = CSM_DEPTH_SAMPLES_BOUNDS,
           .default_value = CSM_DEPTH_SAMPLES_OFF, .unit = "", .values = samples,
           .about = "What is fitted to the depths that the camera saw in the last mask whose frame is done: nothing, "
@@ -137,7 +137,7 @@ static const config_entry entries[] = {
     ENTRY(snap_power, .type = CSM_FIELD_UINT, .length = 1, .minimum = 0, .maximum = 4, .default_value = 0, .unit = "1",
           .about = "The grid is 2^snap_power texels wide."),
     ENTRY(light_roll, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = CSM_LIGHT_ROLL_CARRIED,
-          .default_value = CSM_LIGHT_ROLL_FIXED, .unit = "", .values = rolls,
+          .default_value = CSM_LIGHT_ROLL_FIXED, .unit = "", .values = light_rolls,
           .about =
               "How maps are turned about the light: as its direction alone says, or carried on from the frame before."),
     ENTRY(light_step_texels, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 16.0,
@@ -233,13 +233,13 @@ static const config_entry entries[] = {
           .values = switches, .about = "Whether depth 1 is nearest to the light."),
     /* casters */
     ENTRY(caster_set, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = CSM_CASTER_SET_VIEW,
-          .default_value = CSM_CASTER_SET_MAP, .unit = "", .values = culling,
+          .default_value = CSM_CASTER_SET_MAP, .unit = "", .values = caster_sets,
           .about =
               "What is drawn into a map: all that casts into it, or what can shade something that the camera sees; "
               "view is for those who ask for visibility nowhere else."),
     ENTRY(face_culling, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = CSM_FACE_CULLING_BACK,
-          .default_value = CSM_FACE_CULLING_NONE, .unit = "", .values = culls,
-          .about = "Faces of casters that are left out; front suits closed meshes only."),
+          .default_value = CSM_FACE_CULLING_NONE, .unit = "", .values = face_cullings,
+          .about = "Faces of casters that are left out; front suits watertight meshes only."),
 };
 
 enum { entry_count = sizeof entries / sizeof *entries };
@@ -281,8 +281,8 @@ static csm_result check_entry(const config_entry *entry, const csm_config *confi
 }
 
 static csm_result check_splits(const csm_config *config, const char **error) {
-  const bool shares = config->split_mode == CSM_SPLIT_FRACTIONS;
-  if (config->split_mode != CSM_SPLIT_MANUAL && !shares)
+  const bool fractions = config->split_mode == CSM_SPLIT_FRACTIONS;
+  if (config->split_mode != CSM_SPLIT_MANUAL && !fractions)
     return CSM_SUCCESS;
   if (config->depth_samples == CSM_DEPTH_SAMPLES_SPLITS)
     return plan_fail(error, CSM_ERROR_INVALID_VALUE,
@@ -293,8 +293,8 @@ static csm_result check_splits(const csm_config *config, const char **error) {
       return plan_fail(error, CSM_ERROR_INVALID_VALUE, "split_distances do not rise from above 0");
     last = config->split_distances[i];
   }
-  if (shares && last > 1.0)
-    return plan_fail(error, CSM_ERROR_INVALID_VALUE, "split_distances are shares, and go above 1");
+  if (fractions && last > 1.0)
+    return plan_fail(error, CSM_ERROR_INVALID_VALUE, "split_distances are fractions, and go above 1");
   return CSM_SUCCESS;
 }
 
@@ -349,6 +349,6 @@ csm_result plan_config_check(const csm_config *config, const char **error) {
   if (!result && config->blend_mode != CSM_BLEND_OFF && config->blend_share == 0.0)
     result = plan_fail(error, CSM_ERROR_INVALID_VALUE, "blend_share is 0, and blend_mode is not off");
   if (!result && config->out_of_range == CSM_OUT_OF_RANGE_FADED && config->fade_share == 0.0)
-    result = plan_fail(error, CSM_ERROR_INVALID_VALUE, "fade_share is 0, and beyond is faded");
+    result = plan_fail(error, CSM_ERROR_INVALID_VALUE, "fade_share is 0, and out_of_range is faded");
   return result;
 }

@@ -31,7 +31,8 @@ static uint32_t list_defines(define out[MOST_DEFINES], const csm_config *config)
   if (!config->filter_early_out)
     out[count++] = (define){"CSM_BIAS_MODE", config->bias_mode};
   out[count++] = (define){"CSM_BIAS_UNITS", !plan_bias_in_texels(config)};
-  out[count++] = (define){"CSM_NORMAL_OFFSET", config->bias_normal_texels != 0.0};
+  out[count++] = (define){"CSM_NORMAL_OFFSET_ON", config->bias_normal_texels != 0.0};
+  out[count++] = (define){"CSM_NORMAL_OFFSET_MODE", config->normal_offset_mode};
   out[count++] = (define){"CSM_SELECTION", config->selection};
   out[count++] = (define){"CSM_OUT_OF_RANGE", config->out_of_range};
   out[count++] = (define){"CSM_BLENDING", config->blend_mode};

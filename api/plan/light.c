@@ -43,9 +43,9 @@ csm_result plan_light_basis(double basis[9], const double direction[3], const ch
   const double across[3] = {0.8256, -0.5642, 0.0057};
   double along[3] = {direction[0], direction[1], direction[2]};
   if (!plan_finite(direction, 3))
-    return plan_fail(error, CSM_ERROR_NOT_FINITE, "light_direction is not finite");
+    return plan_fail(error, CSM_ERROR_NOT_FINITE, "direction is not finite");
   if (!plan_normalize(along))
-    return plan_fail(error, CSM_ERROR_INVALID_LIGHT, "light_direction is zero");
+    return plan_fail(error, CSM_ERROR_INVALID_LIGHT, "direction is zero");
   (void)plan_normalize(pole);
   carry(basis, pole, across, along);
   return CSM_SUCCESS;

@@ -49,7 +49,7 @@ void draw_list(gpu gpu, const draw_list_info *info) {
 /* What an alpha mask adds to a program: coordinates, a pixel shader that discards, and what that reads. */
 static void add_alpha_mask(gpu_program_info *info, const draw_list_kind *kind, uint32_t uv_stride) {
   info->vertex = kind->cut_out_vertex;
-  info->pixel = shader_opacity_ps;
+  info->pixel = shader_alpha_mask_ps;
   info->streams[info->stream_count] = (gpu_stream){.stride = uv_stride};
   info->attributes[info->attribute_count++] =
       (gpu_attribute){.format = GPU_FORMAT_RG32_FLOAT, .stream = info->stream_count++};

@@ -1,8 +1,8 @@
 #include "bench/floor_casters.h"
 #include "base/host.h"
 #include "csm/csm.h"
-#include "private/opacity.h"
-#include "scene/mesh_closed.h"
+#include "private/alpha_mask.h"
+#include "scene/mesh_watertight.h"
 #include "shader_code.h"
 #include <stdlib.h>
 #include <string.h>
@@ -115,8 +115,8 @@ static void write_block(const floor_casters *c, size_t material, const scene_alp
   float *block = (float *)((char *)c->constants.mapped + material * block_stride);
   const float size[4] = {(float)mask->width, (float)mask->height, (float)mask->cutoff};
   const float wrap[4] = {wraps[mask->wrap[0]], wraps[mask->wrap[1]]};
-  memcpy(block + 4 * OPACITY_SIZE, size, sizeof size);
-  memcpy(block + 4 * OPACITY_WRAP, wrap, sizeof wrap);
+  memcpy(block + 4 * ALPHA_MASK_SIZE, size, sizeof size);
+  memcpy(block + 4 * ALPHA_MASK_WRAP, wrap, sizeof wrap);
 }
 
 static VkResult make_set(const floor_casters *c, size_t material, VkDescriptorSet *out) {
@@ -127,7 +127,7 @@ static VkResult make_set(const floor_casters *c, size_t material, VkDescriptorSe
   const VkResult result = vkAllocateDescriptorSets(c->vulkan->device, &info, out);
   if (result)
     return result;
-  const VkDescriptorBufferInfo block = {c->constants.buffer, material * block_stride, 16 * OPACITY_COUNT};
+  const VkDescriptorBufferInfo block = {c->constants.buffer, material * block_stride, 16 * ALPHA_MASK_COUNT};
   const VkDescriptorImageInfo image = {VK_NULL_HANDLE, c->images[material].view,
                                        VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
   const VkWriteDescriptorSet writes[] = {{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
@@ -253,8 +253,8 @@ static VkResult make_from(floor_casters *c, VkRenderPass pass, uint32_t side, co
 
 VkResult floor_casters_make_pipelines(floor_casters *c, VkRenderPass pass, uint32_t side) {
   const gpu_code *codes[SHADER_COUNT] = {[SHADER_OPAQUE] = &shader_cascade_depth_vs,
-                                         [SHADER_CUT_OUT] = &shader_cascade_depth_opacity_vs,
-                                         [SHADER_ALPHA_MASK] = &shader_opacity_ps};
+                                         [SHADER_CUT_OUT] = &shader_cascade_depth_alpha_mask_vs,
+                                         [SHADER_ALPHA_MASK] = &shader_alpha_mask_ps};
   VkShaderModule modules[SHADER_COUNT] = {VK_NULL_HANDLE};
   VkResult result = VK_SUCCESS;
   for (int i = 0; i < SHADER_COUNT && !result; ++i)

@@ -1,6 +1,6 @@
 #include "stage/assets.h"
 #include "base/host.h"
-#include "scene/mesh_closed.h"
+#include "scene/mesh_watertight.h"
 #include <stdlib.h>
 
 csm_mesh_info assets_mesh_info(const assets *a, size_t index) {

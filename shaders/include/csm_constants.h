@@ -48,7 +48,7 @@
 #define CSM_M_PLANES 4
 #define CSM_M_NORMALS 7 /* three rows: a texel of the engine's normals (x, y, z, 1) to light space */
 #define CSM_M_SIZE 10   /* width, height, 1 / width, 1 / height */
-#define CSM_M_CLEAR 11  /* depth of a pixel without a surface; CSM_VIEW_* */
+#define CSM_M_CLEAR 11  /* depth of a pixel without a surface; CSM_SHOW_* */
 #define CSM_M_DEPTH 12  /* view depth of a point of light space: dot(p, xyz) + w */
 #define CSM_M_COUNT 13
 

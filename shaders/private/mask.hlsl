@@ -5,7 +5,7 @@
 #define CSM_MAPS_REVERSED 0
 #define CSM_SELECTION CSM_SELECT_MAP
 #define CSM_BLENDING CSM_BLEND_OFF
-#define CSM_NORMAL_OFFSET 0
+#define CSM_NORMAL_OFFSET_ON 0
 #define CSM_BIAS_UNITS 0
 #endif
 #include "csm_constants.h"

@@ -1,7 +1,7 @@
 // What a vertex of a caster or of a surface hands on: its position, and where it is in the texture that cuts it out.
 struct vertex_outputs
 {
-#if OPACITY
+#if ALPHA_MASK
     float2 uv : TEXCOORD0;
 #endif
     float4 position : SV_Position;

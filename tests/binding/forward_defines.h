@@ -4,7 +4,7 @@
 #define CSM_EARLY_OUT 0
 #define CSM_BIAS_MODE 1
 #define CSM_BIAS_UNITS 0
-#define CSM_NORMAL_OFFSET 0
+#define CSM_NORMAL_OFFSET_ON 0
 #define CSM_SELECTION 1
 #define CSM_OUT_OF_RANGE 0
 #define CSM_BLENDING 0

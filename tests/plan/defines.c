@@ -38,12 +38,14 @@ static void defines_say_what_is_configured(void **state) {
 static void what_is_seldom_asked_for_is_fixed_away(void **state) {
   (void)state;
   const csm_config base = default_config();
-  expect(&base, "#define CSM_NORMAL_OFFSET 0\n");
+  expect(&base, "#define CSM_NORMAL_OFFSET_ON 0\n");
   expect(&base, "#define CSM_BIAS_UNITS 0\n");
   expect(&base, "#define CSM_MAPS_ALIKE 1\n");
   csm_config config = base;
   config.bias_normal_texels = 0.5;
-  expect(&config, "#define CSM_NORMAL_OFFSET 1\n");
+  config.normal_offset_mode = CSM_NORMAL_OFFSET_SINE;
+  expect(&config, "#define CSM_NORMAL_OFFSET_ON 1\n");
+  expect(&config, "#define CSM_NORMAL_OFFSET_MODE 1\n");
   double *const units[] = {&config.bias_constant_m, &config.bias_slope_range, &config.bias_limit_range};
   for (int i = 0; i < 3; ++i) {
     config = base;

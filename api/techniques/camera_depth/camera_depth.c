@@ -32,7 +32,7 @@ static csm_result make_program(gpu gpu, const void *about, gpu_program **out) {
   const camera_key *key = about;
   const draw_list_kind kind = {.name = key->reversed ? "camera depth, reversed" : "camera depth",
                                .vertex = shader_camera_depth_vs,
-                               .cut_out_vertex = shader_camera_depth_opacity_vs,
+                               .cut_out_vertex = shader_camera_depth_alpha_mask_vs,
                                .rows = ROWS,
                                .format = GPU_FORMAT_D32_FLOAT,
                                .compare = key->reversed ? GPU_COMPARE_GREATER : GPU_COMPARE_LESS,

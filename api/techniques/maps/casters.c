@@ -29,7 +29,7 @@ static csm_result make(gpu gpu, const void *about, gpu_program **out) {
   const caster_key *key = about;
   const draw_list_kind kind = {.name = "cascade depth",
                                .vertex = shader_cascade_depth_vs,
-                               .cut_out_vertex = shader_cascade_depth_opacity_vs,
+                               .cut_out_vertex = shader_cascade_depth_alpha_mask_vs,
                                .rows = CASTER_ROWS,
                                .format = (gpu_format)key->format,
                                .compare = key->reversed ? GPU_COMPARE_GREATER : GPU_COMPARE_LESS,

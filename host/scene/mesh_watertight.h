@@ -1,6 +1,6 @@
-/* scene/mesh_closed.h: whether a mesh has an inside. */
-#ifndef HOST_MESH_CLOSED_H
-#define HOST_MESH_CLOSED_H
+/* scene/mesh_watertight.h: whether a mesh has an inside. */
+#ifndef HOST_MESH_WATERTIGHT_H
+#define HOST_MESH_WATERTIGHT_H
 
 #include "scene/scene.h"
 

@@ -1,32 +1,32 @@
-// Cuts out what an opacity texture says is not there: bilinear, at full resolution, opacity >= cutoff. The four texels are
+// Cuts out what an alpha mask says is not there: bilinear, at full resolution, alpha >= cutoff. The four texels are
 // loaded and mixed here, because samplers round their weights, and a rounded edge is a different leaf.
-#include "private/opacity.h"
+#include "private/alpha_mask.h"
 
-cbuffer opacity_block : register(b0)
+cbuffer alpha_mask_block : register(b0)
 {
-    float4 opacity_c[OPACITY_COUNT];
+    float4 alpha_mask_c[ALPHA_MASK_COUNT];
 };
-Texture2D<float> opacity : register(t0);
+Texture2D<float> alpha_mask : register(t0);
 
 // A texel's index brought into the texture: repeated, clamped or mirrored.
 float wrap(float index, float size, float mode)
 {
-    float period = mode == OPACITY_MIRROR ? 2.0 * size : size;
+    float period = mode == ALPHA_MASK_MIRROR ? 2.0 * size : size;
     float inside = mad(-floor(index / period), period, index);
     float mirrored = min(inside, 2.0 * size - 1.0 - inside);
     float clamped = min(max(index, 0.0), size - 1.0);
-    return mode == OPACITY_CLAMP ? clamped : mode == OPACITY_MIRROR ? mirrored : inside;
+    return mode == ALPHA_MASK_CLAMP ? clamped : mode == ALPHA_MASK_MIRROR ? mirrored : inside;
 }
 
 float texel(float x, float y)
 {
-    return opacity.Load(int3((int)x, (int)y, 0));
+    return alpha_mask.Load(int3((int)x, (int)y, 0));
 }
 
 void main(float2 uv : TEXCOORD0)
 {
-    float2 size = opacity_c[OPACITY_SIZE].xy;
-    float2 mode = opacity_c[OPACITY_WRAP].xy;
+    float2 size = alpha_mask_c[ALPHA_MASK_SIZE].xy;
+    float2 mode = alpha_mask_c[ALPHA_MASK_WRAP].xy;
     float2 place = float2(mad(uv.x, size.x, -0.5), mad(uv.y, size.y, -0.5));
     float2 first = floor(place);
     float2 share = place - first;
@@ -35,6 +35,6 @@ void main(float2 uv : TEXCOORD0)
     float top = texel(x0, y0), bottom = texel(x0, y1);
     top = mad(share.x, texel(x1, y0) - top, top);
     bottom = mad(share.x, texel(x1, y1) - bottom, bottom);
-    if (mad(share.y, bottom - top, top) < opacity_c[OPACITY_SIZE].z)
+    if (mad(share.y, bottom - top, top) < alpha_mask_c[ALPHA_MASK_SIZE].z)
         discard;
 }

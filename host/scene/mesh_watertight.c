@@ -1,4 +1,4 @@
-#include "scene/mesh_closed.h"
+#include "scene/mesh_watertight.h"
 #include "base/host.h"
 #include <stdlib.h>
 #include <string.h>
