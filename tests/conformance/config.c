@@ -108,7 +108,7 @@ static void contradictions(void **state) {
       CASE("split_distances do not rise", c.split_mode = CSM_SPLIT_MANUAL),
       CASE("split_distances do not rise", (c.split_mode = CSM_SPLIT_FRACTIONS, c.split_distances[0] = 0.5)),
       CASE("split_distances are fractions", (c.split_mode = CSM_SPLIT_FRACTIONS, c.split_distances[0] = 0.2,
-                                          c.split_distances[1] = 0.5, c.split_distances[2] = 1.5)),
+                                             c.split_distances[1] = 0.5, c.split_distances[2] = 1.5)),
       CASE("depth_samples splits", (c.split_mode = CSM_SPLIT_MANUAL, c.depth_samples = CSM_DEPTH_SAMPLES_SPLITS)),
       CASE("filter_taps of filter pcf_n", (c.filter = CSM_FILTER_PCF_N, c.filter_taps = 4)),
       CASE("filter_taps of filter pcf_n", (c.filter = CSM_FILTER_PCF_N, c.filter_taps = 1)),
