@@ -60,7 +60,8 @@ static const struct {
 /* What the fixed shaders were made with. */
 static const char fixed_defines[] =
     "#define CSM_FILTER 1\n#define CSM_FILTER_TAPS 3\n#define CSM_FILTER_WEIGHTS 0\n#define CSM_EARLY_OUT 0\n"
-    "#define CSM_BIAS_MODE 1\n#define CSM_BIAS_UNITS 0\n#define CSM_NORMAL_OFFSET_ON 0\n#define CSM_SELECTION 1\n"
+    "#define CSM_BIAS_MODE 1\n#define CSM_BIAS_UNITS 0\n#define CSM_NORMAL_OFFSET_ON 0\n"
+    "#define CSM_NORMAL_OFFSET_MODE 0\n#define CSM_SELECTION 1\n"
     "#define CSM_OUT_OF_RANGE 0\n#define CSM_BLENDING 0\n#define CSM_MAPS_ALIKE 1\n#define CSM_MAPS_REVERSED 0\n"
     "#define CSM_CASCADES 3\n";
 
