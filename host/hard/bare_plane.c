@@ -1,7 +1,28 @@
 /* bare_plane.c: a plane with nothing on it, under the whole field of view. It is lit, everywhere. */
 #include "hard/hard.h"
+#include <stdlib.h>
 
-static int draw_plane(hard_run *run, host_setup *setup, hard_picture *drawn, hard_truth *truth) {
+static void add_figures(hard_run *run, const hard_truth *truth, const hard_picture *drawn, const char *how) {
+  const hard_count count = hard_judge(run, truth, drawn->mask, (hard_margin){.silhouette_px = 0.0});
+  /* Nothing stands on it, so that no pixel may be dark. */
+  hard_figure_add(run, (double)count.false_dark, 0.0, "px", "dark pixels, %s", how);
+  /* It fills more than a third of the picture: something was judged. */
+  hard_figure_add(run, count.judged * 3 > (uint64_t)drawn->width * drawn->height ? 0.0 : 1.0, 0.0, "1",
+                  "pictures without a plane");
+}
+
+static int draw_with_normals(hard_run *run, const host_setup *setup, const scene_light *sun, const hard_truth *truth,
+                             hard_picture *drawn) {
+  float(*normals)[4] = hard_true_normals(truth);
+  const hard_inputs inputs = {.normals = (const float(*)[4])normals};
+  const int code = hard_draw_engine(run, &inputs, &setup->camera, sun, drawn);
+  if (code == 0)
+    add_figures(run, truth, drawn, "the engine's normals");
+  free(normals);
+  return code;
+}
+
+static int draw_plane(hard_run *run, const host_setup *setup, hard_picture *drawn, hard_truth *truth) {
   static const double heights[] = {90.0, 60.0, 45.0, 30.0, 20.0, 10.0};
   const uint32_t step = run->sweep ? 1 : 2;
   int code = hard_load(run, setup);
@@ -10,13 +31,10 @@ static int draw_plane(hard_run *run, host_setup *setup, hard_picture *drawn, har
     code = hard_draw(run, &setup->camera, &sun, 0, drawn);
     if (code == 0)
       code = hard_cast(run, &setup->camera, &sun, truth);
-    if (code)
-      break;
-    const hard_count count = hard_judge(run, truth, drawn->mask, (hard_margin){.silhouette_px = 0.0});
-    /* Nothing stands on it, so that no pixel may be dark; half the picture is ground, so that something is judged. */
-    hard_figure_add(run, (double)count.false_dark, 0.0, "px", "dark pixels of a bare plane");
-    hard_figure_add(run, count.judged * 3 > (uint64_t)drawn->width * drawn->height ? 0.0 : 1.0, 0.0, "1",
-                    "pictures without a plane");
+    if (code == 0)
+      add_figures(run, truth, drawn, "normals from the depth");
+    if (code == 0 && hard_has_engine(run))
+      code = draw_with_normals(run, setup, &sun, truth, drawn);
   }
   return code;
 }

@@ -1,6 +1,6 @@
 /* draw.c: the same picture on every backend. */
 #include "base/host.h"
-#include "hard/hard.h"
+#include "hard/engine.h"
 #include "stage/compare.h"
 #include <math.h>
 #include <stdlib.h>
@@ -19,23 +19,31 @@ int hard_load(hard_run *run, const host_setup *setup) {
 void hard_unload(hard_run *run) {
   for (uint32_t i = 0; i < run->stage_count; i++)
     stage_unload(&run->stages[i]);
+  for (int i = 0; i < 2; i++) {
+    hard_engine_close(run->engines[i]);
+    run->engines[i] = NULL;
+  }
   truth_destroy(run->truth);
   run->truth = NULL;
   run->setup = NULL;
 }
 
-int hard_configure(hard_run *run, const csm_config *config) {
+/* For every stage that there is, an engine's, too. */
+static int set_all(hard_run *run, const csm_config *config, int (*set)(stage *s, const csm_config *config)) {
   int code = 0;
   for (uint32_t i = 0; code == 0 && i < run->stage_count; i++)
-    code = stage_configure(&run->stages[i], config);
+    code = set(&run->stages[i], config);
+  for (int i = 0; code == 0 && i < 2; i++)
+    code = run->engines[i] ? set(hard_engine_stage(run->engines[i]), config) : 0;
   return code;
 }
 
+int hard_configure(hard_run *run, const csm_config *config) {
+  return set_all(run, config, stage_configure);
+}
+
 int hard_restart(hard_run *run, const csm_config *config) {
-  int code = 0;
-  for (uint32_t i = 0; code == 0 && i < run->stage_count; i++)
-    code = stage_restart(&run->stages[i], config);
-  return code;
+  return set_all(run, config, stage_restart);
 }
 
 /* ---- pictures ---- */
@@ -86,6 +94,20 @@ int hard_draw(hard_run *run, const camera *from, const scene_light *light, uint3
   for (uint32_t i = 0; code == 0 && i < run->stage_count; i++)
     code = stage_draw_from(&run->stages[i], from, light);
   return code ? code : hard_resolve(run, from, wanted, out);
+}
+
+bool hard_has_engine(const hard_run *run) {
+  return hard_engine_there(run->options);
+}
+
+int hard_draw_engine(hard_run *run, const hard_inputs *inputs, const camera *from, const scene_light *light,
+                     hard_picture *out) {
+  hard_engine **engine = &run->engines[inputs->engine_buffers];
+  int code = 0;
+  if (!*engine)
+    code = hard_engine_open(engine, run->setup, run->options, inputs->engine_buffers);
+  picture_make(out, run->setup, 0);
+  return code ? code : hard_engine_draw(*engine, inputs, from, light, out->mask);
 }
 
 int hard_bind(hard_run *run, csm_binding *binding) {

@@ -2,9 +2,10 @@
  * hard/hard.h: the hard cases: scenes, cameras, lights and settings at which shadows break, with figures that must
  * hold.
  *
- * A case is one file with one `const hard_case`, named in cases.h, cases.c and meson.build. Its run function builds a
- * little scene, draws it, and reports figures, each with a bound that a comment there derives. What hard_draw draws is
- * drawn with every backend that was asked for, and compared: cases look at one picture, and it stands for all.
+ * A case is one file with one `const hard_case`, named in cases.h, cases.c and meson.build; bare_plane.c is one. Its
+ * run function builds a little scene, draws it, and reports figures, each with a bound that a comment there derives.
+ * What hard_draw draws is drawn with every backend that was asked for, and compared: cases look at one picture, and it
+ * stands for all.
  *
  *   static int run(hard_run *run) {
  *     host_setup setup;
@@ -19,7 +20,7 @@
  *       code = hard_cast(run, &setup.camera, &setup.light, &truth);
  *     if (code == 0) {
  *       const hard_count count = hard_judge(run, &truth, drawn.mask, (hard_margin){.silhouette_px = 2.0});
- *       hard_figure_add(run, (double)count.false_dark, 0.0, "px", "acne on a plane");
+ *       hard_figure_add(run, (double)count.false_dark, 0.0, "px", "acne");
  *     }
  *     hard_truth_free(&truth);
  *     hard_picture_free(&drawn);
@@ -37,6 +38,7 @@
 #include "stage/stage.h"
 
 typedef struct hard_run hard_run;
+struct hard_engine;
 
 typedef struct hard_case {
   const char *name;          /* as --case takes it */
@@ -66,8 +68,9 @@ struct hard_run {
   /* Open devices with what hard_load has put there, those that were asked for. For calls of csm that have no helper. */
   stage stages[HOST_BACKENDS];
   uint32_t stage_count;
-  const host_setup *setup; /* that is loaded, or NULL */
-  truth *truth;            /* of its scene; made when it is first asked */
+  const host_setup *setup;        /* that is loaded, or NULL */
+  truth *truth;                   /* of its scene; made when it is first asked */
+  struct hard_engine *engines[2]; /* likewise: meshes copied, and in the engine's buffers */
   hard_figure *figures;
   size_t figure_count, figure_capacity;
   hard_worst worst;
@@ -142,6 +145,22 @@ int hard_bind(hard_run *run, csm_binding *binding);
 /* A map of the last frame, to be freed. Side is its texels. */
 int hard_map(hard_run *run, uint32_t cascade, float **out, uint32_t *side);
 
+/* What an engine hands over in place of what csm makes itself. */
+typedef struct hard_inputs {
+  const float *camera_depth; /* as the camera's projection has it; NULL: csm draws its own */
+  const float (*normals)[4]; /* unit, in the world; NULL: they come from the depth */
+  bool engine_buffers;       /* the meshes lie in the engine's own buffers */
+} hard_inputs;
+
+/*
+ * Whether there is an engine's device: of Vulkan alone. Cases leave those figures out where there is none. It is opened
+ * by the first hard_draw_engine after hard_load, with the setup's configuration.
+ */
+bool hard_has_engine(const hard_run *run);
+/* As hard_draw, on an engine's device, with history of its own. */
+int hard_draw_engine(hard_run *run, const hard_inputs *inputs, const camera *from, const scene_light *light,
+                     hard_picture *out);
+
 /* ---- truth ---- */
 
 typedef struct hard_truth {
@@ -157,6 +176,9 @@ typedef struct hard_truth {
 /* Casts what a camera sees of the loaded scene. *out may hold an earlier truth or zeros. */
 int hard_cast(hard_run *run, const camera *from, const scene_light *light, hard_truth *out);
 void hard_truth_free(hard_truth *truth);
+/* What a truth's camera would have in its depth buffer, and the geometric normals, to be freed: for hard_inputs. */
+float *hard_true_depth(const hard_truth *truth);
+float (*hard_true_normals(const hard_truth *truth))[4];
 
 /* Pixels nearer to a silhouette (neighbours on surfaces that do not join there), or to a true shadow's edge, than this
  * are not judged. */

@@ -108,6 +108,34 @@ int hard_cast(hard_run *run, const camera *from, const scene_light *light, hard_
   return code;
 }
 
+float *hard_true_depth(const hard_truth *truth) {
+  const truth_view *view = &truth->view;
+  float *depth = host_allocate((size_t)view->width * view->height, sizeof *depth);
+  camera_rays rays;
+  camera_rays_make(&rays, &truth->camera, view->width, view->height);
+  for (size_t i = 0; i < (size_t)view->width * view->height; i++) {
+    const double x = camera_pixel_x(&rays, (uint32_t)(i % view->width));
+    const double y = camera_pixel_y(&rays, (uint32_t)(i / view->width));
+    double point[4], clip[4];
+    depth[i] = truth->camera.reversed ? 0.0f : 1.0f;
+    if (view->surfaces[i].triangle == TRUTH_NOTHING)
+      continue;
+    camera_point(&rays, &truth->camera, x, y, view->surfaces[i].view_depth, point);
+    mat_transform(point, truth->camera.view, (const double[3]){point[0], point[1], point[2]}, 0.0);
+    mat_transform(clip, truth->camera.projection, point, 1.0);
+    depth[i] = (float)(clip[2] / clip[3]);
+  }
+  return depth;
+}
+
+float (*hard_true_normals(const hard_truth *truth))[4] {
+  const size_t pixels = (size_t)truth->view.width * truth->view.height;
+  float(*normals)[4] = host_allocate(pixels, sizeof *normals);
+  for (size_t i = 0; i < pixels; i++)
+    memcpy(normals[i], truth->view.surfaces[i].normal, sizeof truth->view.surfaces[i].normal);
+  return normals;
+}
+
 /* ---- pictures of the worst ---- */
 
 /* What is around pixel `at` of two pictures, if that is worse than all before. */
