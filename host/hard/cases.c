@@ -4,6 +4,7 @@
 
 const hard_case *const hard_cases[] = {
     &hard_bare_plane,
+    &hard_offsets,
     NULL,
 };
 

@@ -5,6 +5,7 @@
 #include "hard/hard.h"
 
 extern const hard_case hard_bare_plane;
+extern const hard_case hard_offsets;
 
 /* In the order of the table; NULL ends it. */
 extern const hard_case *const hard_cases[];

@@ -97,6 +97,11 @@ void hard_setup_begin(host_setup *out, uint32_t width, uint32_t height);
 void hard_add(host_setup *setup, mesh_builder *b, const char *name, const double position[3]);
 /* A level square that looks up, `half` metres to each side of a point, in cells * cells * 2 triangles. */
 void hard_ground(mesh_builder *b, const double center[3], double half, uint32_t cells);
+/*
+ * A yard of 60 m with boxes, posts, a wall and balls, a camera at eye level and shadows to 60 m. All places are
+ * multiples of 1/8 m.
+ */
+void hard_yard(host_setup *setup);
 /* Places the camera: reversed, near 0.1 m, without a far plane. Whoever wants another one sets setup->camera. */
 void hard_look(host_setup *setup, const double from[3], const double at[3], double vertical_fov_deg);
 /* View depth to which there are shadows, of the configuration and of the truth. */
