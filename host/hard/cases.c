@@ -3,9 +3,7 @@
 #include <string.h>
 
 const hard_case *const hard_cases[] = {
-    &hard_bare_plane,
-    &hard_offsets,
-    NULL,
+    &hard_bare_plane, &hard_offsets, &hard_far_vertices, &hard_turned, NULL,
 };
 
 const hard_case *hard_case_find(const char *name) {

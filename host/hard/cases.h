@@ -6,6 +6,8 @@
 
 extern const hard_case hard_bare_plane;
 extern const hard_case hard_offsets;
+extern const hard_case hard_far_vertices;
+extern const hard_case hard_turned;
 
 /* In the order of the table; NULL ends it. */
 extern const hard_case *const hard_cases[];
