@@ -110,6 +110,10 @@ int hard_draw_engine(hard_run *run, const hard_inputs *inputs, const camera *fro
   return code ? code : hard_engine_draw(*engine, inputs, from, light, out->mask);
 }
 
+int hard_map_engine(hard_run *run, const hard_inputs *inputs, uint32_t cascade, float **out, uint32_t *side) {
+  return hard_engine_map(run->engines[inputs->engine_buffers], cascade, out, side);
+}
+
 int hard_bind(hard_run *run, csm_binding *binding) {
   *binding = (csm_binding){.struct_size = sizeof *binding};
   return csm_bind(run->stages[0].cascades, binding) == CSM_SUCCESS ? 0 : HOST_NO_DEVICE;

@@ -28,7 +28,7 @@ static int yard_draw(yard *out, hard_run *run, const double offset[3], uint32_t 
   for (int axis = 0; axis < 3; axis++)
     moved[12 + axis] = offset[axis];
   hard_setup_begin(&out->setup, 320, 180);
-  hard_yard(&out->setup);
+  hard_yard(&out->setup, true);
   out->setup.config.resolution = resolution;
   out->setup.config.blend_mode = CSM_BLEND_OFF; /* with the next cascade, which moves by other texels than its own */
   hard_place(&out->setup, moved);

@@ -40,7 +40,7 @@ void hard_look(host_setup *setup, const double from[3], const double at[3], doub
   camera_from_pose(&setup->camera, pose, (double)setup->width / setup->height);
 }
 
-void hard_yard(host_setup *setup) {
+void hard_yard(host_setup *setup, bool with_balls) {
   static const double boxes[][6] = {
       {-3, 0, -6, -1, 2.5, -4},       {2, 0, -9, 5, 4, -7},        {-9, 0, -14, -6, 6, -11},
       {1, 0, -17, 4, 1.5, -14},       {9, 0, -22, 14, 9, -17},     {-16, 0, -27, -11, 5, -24},
@@ -56,7 +56,7 @@ void hard_yard(host_setup *setup) {
                 (const double[3]){box[3] - box[0], box[4] - box[1], box[5] - box[2]});
     hard_add(setup, &b, "box", box);
   }
-  for (size_t i = 0; i < sizeof balls / sizeof balls[0]; i++) {
+  for (size_t i = 0; with_balls && i < sizeof balls / sizeof balls[0]; i++) {
     const double radius = balls[i][3];
     builder_ball(&b, (const double[3]){0.0, 0.0, 0.0}, (const double[3]){radius, radius, radius}, 3, 0.0, 1);
     hard_add(setup, &b, "ball", balls[i]);
