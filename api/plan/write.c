@@ -188,7 +188,7 @@ uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const pl
   const double depth = look(forward, frame);
   put_pixels(out, frame, picture);
   put(out, CSM_M_SIZE, width, height, 1.0 / width, 1.0 / height);
-  put(out, CSM_M_CLEAR, picture->camera->reversed ? 0.0 : 1.0, picture->show, 0.0, 0.0);
+  put(out, CSM_M_CLEAR, plan_clear_depth(picture->camera), picture->show, 0.0, 0.0);
   put(out, CSM_M_DEPTH, plan_dot(forward, &frame->basis[0]), plan_dot(forward, &frame->basis[3]),
       plan_dot(forward, &frame->basis[6]), depth);
   return CSM_M_COUNT * 4 * sizeof(float);
