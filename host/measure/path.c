@@ -183,6 +183,11 @@ static int compare_with(walk *w, uint32_t index, uint32_t b, const path_frame *b
                              .visibility = {before->visibility, w->later_visibility},
                              .masks = {before->masks[b], w->later_mask}};
   flicker_add(&w->results[b].flicker, &pair);
+  if (w->path->each) {
+    flicker alone = {0};
+    flicker_add(&alone, &pair);
+    w->path->each(w->path->user, index, &alone);
+  }
   return 0;
 }
 

@@ -138,8 +138,26 @@ int stage_load(stage *s, const host_setup *setup) {
   return exit_code(result);
 }
 
+void stage_unload(stage *s) {
+  csm_cascades_destroy(s->cascades);
+  csm_view_destroy(s->view);
+  csm_scene_destroy(s->scene);
+  assets_destroy(&s->assets, s->context);
+  free(s->instances);
+  s->cascades = NULL;
+  s->view = NULL;
+  s->scene = NULL;
+  s->instances = NULL;
+}
+
 int stage_configure(stage *s, const csm_config *config) {
   return exit_code(csm_cascades_configure(s->cascades, config));
+}
+
+int stage_restart(stage *s, const csm_config *config) {
+  csm_cascades_destroy(s->cascades);
+  s->cascades = NULL;
+  return exit_code(csm_cascades_create(s->context, config, &s->cascades));
 }
 
 int stage_switch(stage *s, const char *backend, const char *device, double *ms) {

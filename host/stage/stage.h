@@ -50,11 +50,17 @@ int stage_open_all(stage stages[HOST_BACKENDS], uint32_t *count, const host_opti
 /* Uploads the scene and makes the cascades. `setup` must live as long as the stage. 0, or a code after a message. */
 int stage_load(stage *s, const host_setup *setup);
 
+/* Gives back what stage_load made: the device stays open for another scene. */
+void stage_unload(stage *s);
+
 /* Moves to another backend; *ms gets what that took. 0, or a code after a message: the old one draws on then. */
 int stage_switch(stage *s, const char *backend, const char *device, double *ms);
 
 /* Changes the settings. 0, or a code after a message: the old ones hold then. */
 int stage_configure(stage *s, const csm_config *config);
+
+/* New cascades, without a history. 0, or a code after a message: the old ones are gone then. */
+int stage_restart(stage *s, const csm_config *config);
 
 /* A camera and a light as csm takes them. */
 csm_camera stage_camera(const camera *from);
