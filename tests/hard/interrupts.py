@@ -116,8 +116,9 @@ def interrupt(name, arguments, old, new, moments):
     for i, at in enumerate(chosen):
         for before in ({}, old) if every else ({}, old)[i % 2:][:1]:
             begin({file: text for file, text in before.items() if file != "printed"})
-            code, _ = run(arguments, at)
-            assert code == -signal.SIGINT, (name, at, "exit", code)
+            code, ended = run(arguments, at)
+            # What an earlier run left in the cache needs no writing, so there may be fewer moments.
+            assert code == -signal.SIGINT or (code == 0 and 0 < ended < at), (name, at, "exit", code)
             check((name, at), contents(), {file for file in before if file != "printed"}, old, new)
             tried += 1
 
