@@ -178,21 +178,33 @@ typedef struct plan_steps {
   uint32_t wide_frames; /* for so many frames in a row it has been wider than it need be */
 } plan_steps;
 
+/* The point that the grid of a map's texels is counted from. */
+typedef struct plan_anchor {
+  double at[3];    /* world */
+  double place[2]; /* the whole number of texels that it counts as, so that the count goes on where it is moved */
+  double texel[2]; /* of the grid, metres; 0: there was no map yet, and the world's origin is the anchor */
+} plan_anchor;
+
 /* What a frame hands to the next one. Zero is the first frame. */
 typedef struct plan_history {
   bool has_light, has_samples, has_bounds[CSM_MAX_CASCADES];
-  double basis[9];                             /* of the light that was drawn with */
+  double basis[9]; /* of the light that was drawn with */
+  plan_anchor anchors[CSM_MAX_CASCADES];
+  double image[2];                             /* half of what stable fits are sized for along clip x and y: tangents
+                                                  of a perspective camera, metres of an orthographic one; 0: none */
   plan_steps sample_range[2];                  /* what splits were fitted to */
   plan_steps bound_steps[CSM_MAX_CASCADES][2]; /* by which each map was narrowed */
 } plan_history;
 
-/* Forgets what belongs to a configuration, and keeps how the maps are turned about the light. */
+/* Forgets what belongs to a configuration, and keeps how the maps are turned about the light, and their grids' anchors.
+ */
 void plan_history_reconfigure(plan_history *history);
 
 typedef struct plan_cascade {
   csm_cascade_info info;
   double texel[2];         /* metres along right and up */
   double origin_texels[2]; /* where the map begins, from the world's origin */
+  double place_texels[2];  /* where it begins, as its grid is counted: whole numbers */
   uint32_t resolution;
   double to_clip[12]; /* light space (right, up, along, relative to the world's origin) to clip: three rows of four */
   plan_list list;

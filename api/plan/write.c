@@ -18,12 +18,12 @@ static void put(float *out, uint32_t index, double x, double y, double z, double
   out[index * 4 + 3] = plan_float(w);
 }
 
-/* The place of a map's lower left texel on the world's grid, which repeats after so many texels. */
+/* The place of a map's lower left texel on its grid, which repeats after so many texels. */
 static double grid_place(const plan_cascade *cascade) {
   const double period = 2048.0;
   double place[2];
   for (int i = 0; i < 2; ++i) {
-    const double texel = floor(cascade->origin_texels[i]);
+    const double texel = cascade->place_texels[i];
     place[i] = texel - floor(texel / period) * period;
   }
   return place[0] + 4096.0 * place[1];
