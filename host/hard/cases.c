@@ -10,6 +10,7 @@ const hard_case *const hard_cases[] = {
     &hard_turned,
     &hard_formats,
     &hard_borders,
+    &hard_depth_range,
     NULL,
 };
 /* clang-format on */

@@ -10,6 +10,7 @@ extern const hard_case hard_far_vertices;
 extern const hard_case hard_turned;
 extern const hard_case hard_formats;
 extern const hard_case hard_borders;
+extern const hard_case hard_depth_range;
 
 /* In the order of the table; NULL ends it. */
 extern const hard_case *const hard_cases[];
