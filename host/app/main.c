@@ -1,6 +1,7 @@
 /* main.c: csm-host: scenes, both backends side by side, measurements and pictures. */
 #include "app/run.h"
 #include "bench/bench.h"
+#include "hard/hard.h"
 #include "measure/measure.h"
 #include "report/preset_table.h"
 #include "report/report.h"
@@ -27,6 +28,7 @@ static int config_command(const host_options *options) {
 
 int main(int count, char **arguments) {
   host_options options;
+  setvbuf(stdout, NULL, _IOLBF, BUFSIZ); /* whoever interrupts it keeps every line that was told */
   const int code = options_parse(&options, count, arguments);
   if (code)
     return code;
@@ -46,6 +48,8 @@ int main(int count, char **arguments) {
     return bench_command(&options);
   case COMMAND_REPORT:
     return report_command(&options);
+  case COMMAND_HARD:
+    return hard_command(&options);
   case COMMAND_VIEW:
     return view_command(&options);
   }

@@ -5,7 +5,7 @@
 #include "csm_constants.h"
 #include "base/host.h"
 #include "shader_code.h"
-#include "bench/vulkan_commands.h"
+#include "native/vulkan_commands.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 #include "bench/engine.h"
 #include "base/host.h"
-#include "bench/vulkan_device.h"
+#include "native/vulkan_device.h"
 #include "csm/csm_vulkan.h"
 #include "stage/assets.h"
 #include "stage/stage.h"

@@ -2,7 +2,7 @@
 #ifndef HOST_FLOOR_CASTERS_H
 #define HOST_FLOOR_CASTERS_H
 
-#include "bench/vulkan_commands.h"
+#include "native/vulkan_commands.h"
 #include "plan.h"
 #include "scene/scene.h"
 

@@ -11,6 +11,10 @@ typedef struct measure_path {
   uint32_t count; /* 0: the options name no path */
   camera *cameras;
   scene_light *lights;
+  /* Told of each pair of neighbouring frames, on each stage: its second frame's index, and that pair's flicker alone.
+     May be NULL. */
+  void (*each)(void *user, uint32_t index, const flicker *pair);
+  void *user;
 } measure_path;
 
 /*

@@ -32,9 +32,10 @@ void builder_triangle(mesh_builder *b, uint32_t i, uint32_t j, uint32_t k) {
 }
 
 void builder_cells(mesh_builder *b, uint32_t cells) {
+  const uint32_t first = (uint32_t)b->vertex_count - (cells + 1) * (cells + 1);
   for (uint32_t j = 0; j < cells; j++)
     for (uint32_t i = 0; i < cells; i++) {
-      const uint32_t at = j * (cells + 1) + i, below = at + cells + 1;
+      const uint32_t at = first + j * (cells + 1) + i, below = at + cells + 1;
       builder_triangle(b, at, below, below + 1);
       builder_triangle(b, at, below + 1, at + 1);
     }

@@ -16,8 +16,8 @@ void builder_color(mesh_builder *b, float red, float green, float blue);
 uint32_t builder_vertex(mesh_builder *b, double x, double y, double z);
 void builder_triangle(mesh_builder *b, uint32_t i, uint32_t j, uint32_t k);
 /*
- * Two triangles for each cell of a grid, which look up. Precondition: its (cells + 1)^2 vertices have been added row by
- * row, z growing with the row and x within it.
+ * Two triangles for each cell of a grid, which look up. Precondition: its (cells + 1)^2 vertices have been added last,
+ * row by row, z growing with the row and x within it.
  */
 void builder_cells(mesh_builder *b, uint32_t cells);
 /* Corners counter-clockwise, seen from the side that it faces. */

@@ -19,6 +19,7 @@ static const char help[] =
     "  csm-host measure [options]  draw one frame on each backend, and measure it against the truth\n"
     "  csm-host bench  [options]   time the passes of each backend against bare loops, in turn\n"
     "  csm-host report [options]   sweep configurations: a page on error against time, DIR/report.html and .json\n"
+    "  csm-host hard   [options]   the hard cases: where shadows break, with figures that must hold\n"
     "  csm-host view   [options]   fly through the scene in a window; H there tells the keys\n"
     "  csm-host config             every key of a configuration with its unit, range and default, as JSON; with\n"
     "                              --preset or --config, that configuration\n"
@@ -40,7 +41,8 @@ static const char help[] =
     "  --device NAME               part of the device's name\n"
     "  --out DIR                   run: where lit, mask, cascades, density, maps, frusta, culled and\n"
     "                              difference.png go; out. Where the backends differ, the\n"
-    "                              second one's pictures lie beside them, with its name before each\n"
+    "                              second one's pictures lie beside them, with its name before each;\n"
+    "                              hard: where a picture of each case's worst pixel goes, if it is given\n"
     "  --json FILE|-               the numbers as JSON\n"
     "  --dump DIR                  geometry, matrices, maps and masks of each backend\n"
     "  --cache DIR                 measure, report: where truths are kept; $XDG_CACHE_HOME/csm or ~/.cache/csm\n"
@@ -57,6 +59,9 @@ static const char help[] =
     "  --resolutions LIST          report: texels a side; 512,1024,2048,4096\n"
     "  --minutes M                 report, measure --presets: after one round of all it draws again only while that "
     "ends in time; 30\n"
+    "  --case NAME,NAME            hard: these cases; all of them if none is named\n"
+    "  --long                      hard: every value, not some: minutes\n"
+    "  --table                     hard: print the figures as a table in Markdown\n"
     "  --frames N --keys TEXT      view: N frames, a key of TEXT pressed in each ('.' is none); saves view.png\n"
     "\n"
     "Exit codes: 0 the backends agree, 1 they differ, 2 bad input, 3 no device or backend.\n";
@@ -212,6 +217,25 @@ static int parse_resolutions(host_options *out, const char *value) {
   return parse_list(&out->resolutions, "--resolutions", value, 16, 16384);
 }
 
+static int parse_cases(host_options *out, const char *value) {
+  char *rest = NULL;
+  out->case_count = 0;
+  if ((size_t)snprintf(out->case_names, sizeof out->case_names, "%s", value) >= sizeof out->case_names)
+    return host_fail(HOST_BAD_INPUT, "--case: too long");
+  for (const char *name = strtok_r(out->case_names, ",", &rest); name; name = strtok_r(NULL, ",", &rest)) {
+    if (out->case_count == OPTIONS_MAX_CASES)
+      return host_fail(HOST_BAD_INPUT, "--case: more than %d", OPTIONS_MAX_CASES);
+    out->cases[out->case_count++] = name;
+  }
+  return out->case_count ? 0 : host_fail(HOST_BAD_INPUT, "--case: no name: '%s'", value);
+}
+
+static int parse_out(host_options *out, const char *value) {
+  out->out = value;
+  out->has_out = true;
+  return 0;
+}
+
 static int parse_minutes(host_options *out, const char *value) {
   if (!parse_number(value, &out->minutes) || !(out->minutes > 0.0))
     return host_fail(HOST_BAD_INPUT, "--minutes: not a positive number: '%s'", value);
@@ -236,7 +260,7 @@ static int parse_option(host_options *out, const char *name, const char *value) 
                           {"--presets", parse_presets, NULL},
                           {"--backend", parse_backend, NULL},
                           {"--device", NULL, &out->device},
-                          {"--out", NULL, &out->out},
+                          {"--out", parse_out, NULL},
                           {"--json", NULL, &out->json},
                           {"--dump", NULL, &out->dump},
                           {"--cache", NULL, &out->cache},
@@ -247,6 +271,7 @@ static int parse_option(host_options *out, const char *name, const char *value) 
                           {"--cascades", parse_cascades, NULL},
                           {"--resolutions", parse_resolutions, NULL},
                           {"--minutes", parse_minutes, NULL},
+                          {"--case", parse_cases, NULL},
                           {"--frames", parse_frames, NULL},
                           {"--keys", NULL, &out->keys}};
   for (size_t i = 0; i < sizeof known / sizeof known[0]; i++) {
@@ -264,15 +289,27 @@ static int parse_option(host_options *out, const char *name, const char *value) 
 
 static int parse_command(host_options *out, const char *name) {
   static const char *const names[] = {
-      [COMMAND_CONFIG] = "config", [COMMAND_PRESETS] = "presets", [COMMAND_RUN] = "run",  [COMMAND_MEASURE] = "measure",
-      [COMMAND_BENCH] = "bench",   [COMMAND_REPORT] = "report",   [COMMAND_VIEW] = "view"};
+      [COMMAND_CONFIG] = "config",   [COMMAND_PRESETS] = "presets", [COMMAND_RUN] = "run",
+      [COMMAND_MEASURE] = "measure", [COMMAND_BENCH] = "bench",     [COMMAND_REPORT] = "report",
+      [COMMAND_HARD] = "hard",       [COMMAND_VIEW] = "view"};
   for (int i = COMMAND_CONFIG; i <= COMMAND_VIEW; i++)
     if (strcmp(name, names[i]) == 0) {
       out->command = (host_command)i;
       return 0;
     }
-  return host_fail(HOST_BAD_INPUT, "unknown command '%s' (run, measure, bench, report, view, config, presets, --help)",
-                   name);
+  return host_fail(HOST_BAD_INPUT,
+                   "unknown command '%s' (run, measure, bench, report, hard, view, config, presets, --help)", name);
+}
+
+/* Options without a value. False: it is none of them. */
+static bool parse_switch(host_options *out, const char *name) {
+  bool *const known = strcmp(name, "--quick") == 0   ? &out->quick
+                      : strcmp(name, "--long") == 0  ? &out->sweep
+                      : strcmp(name, "--table") == 0 ? &out->markdown
+                                                     : NULL;
+  if (known)
+    *known = true;
+  return known != NULL;
 }
 
 /* What a report sweeps if nothing else is said. */
@@ -305,10 +342,8 @@ int options_parse(host_options *out, int count, char **arguments) {
   }
   int code = parse_command(out, arguments[1]);
   for (int i = 2; code == 0 && i < count; i++) {
-    if (strcmp(arguments[i], "--quick") == 0) {
-      out->quick = true;
+    if (parse_switch(out, arguments[i]))
       continue;
-    }
     code = parse_option(out, arguments[i], i + 1 < count ? arguments[i + 1] : NULL);
     i++;
   }

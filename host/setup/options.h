@@ -16,6 +16,7 @@ typedef enum host_command {
   COMMAND_MEASURE,
   COMMAND_BENCH,
   COMMAND_REPORT,
+  COMMAND_HARD,
   COMMAND_VIEW
 } host_command;
 
@@ -23,6 +24,7 @@ typedef enum host_command {
 #define OPTIONS_MAX_SCENES 16
 #define OPTIONS_MAX_LIST 16
 #define OPTIONS_MAX_PRESETS 64
+#define OPTIONS_MAX_CASES 64
 
 /* Whole numbers, each once. */
 typedef struct options_list {
@@ -55,8 +57,14 @@ typedef struct host_options {
   options_list cascades, resolutions;       /* report: what is swept */
   const char *presets[OPTIONS_MAX_PRESETS]; /* measure: what is compared, by name, each once */
   uint32_t preset_count;
-  double minutes;   /* report, measure: when to stop drawing again */
-  char **arguments; /* the command line itself */
+  const char *cases[OPTIONS_MAX_CASES]; /* hard: by name; none: all of them */
+  uint32_t case_count;
+  char case_names[1024]; /* what `cases` points into */
+  bool sweep;            /* hard: every value */
+  bool markdown;         /* hard: print the table as Markdown */
+  bool has_out;          /* --out was given */
+  double minutes;        /* report, measure: when to stop drawing again */
+  char **arguments;      /* the command line itself */
   int argument_count;
   uint32_t frames;  /* view: how many before it ends by itself; 0: until it is closed */
   const char *keys; /* view: pressed by themselves, one a frame; "" for none */

@@ -62,3 +62,13 @@ void assets_free(assets *a) {
   free(a->watertight);
   *a = (assets){0};
 }
+
+void assets_destroy(assets *a, csm_context *context) {
+  for (size_t m = 0; a->scene && m < a->scene->mesh_count; m++)
+    if (a->meshes[m])
+      csm_mesh_destroy(context, a->meshes[m]);
+  for (size_t m = 0; a->scene && m < a->scene->material_count; m++)
+    if (a->alpha_masks[m])
+      csm_alpha_mask_destroy(context, a->alpha_masks[m]);
+  assets_free(a);
+}

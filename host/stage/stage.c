@@ -138,8 +138,26 @@ int stage_load(stage *s, const host_setup *setup) {
   return exit_code(result);
 }
 
+void stage_unload(stage *s) {
+  csm_cascades_destroy(s->cascades);
+  csm_view_destroy(s->view);
+  csm_scene_destroy(s->scene);
+  assets_destroy(&s->assets, s->context);
+  free(s->instances);
+  s->cascades = NULL;
+  s->view = NULL;
+  s->scene = NULL;
+  s->instances = NULL;
+}
+
 int stage_configure(stage *s, const csm_config *config) {
   return exit_code(csm_cascades_configure(s->cascades, config));
+}
+
+int stage_restart(stage *s, const csm_config *config) {
+  csm_cascades_destroy(s->cascades);
+  s->cascades = NULL;
+  return exit_code(csm_cascades_create(s->context, config, &s->cascades));
 }
 
 int stage_switch(stage *s, const char *backend, const char *device, double *ms) {
@@ -243,6 +261,8 @@ int stage_read(stage *s, bool maps, stage_frame *out) {
     code = read_back(s, CSM_READ_MASK, 0, pixels, &out->mask);
   if (code == 0)
     code = read_back(s, CSM_READ_CAMERA_DEPTH, 0, pixels, &out->camera_depth);
+  if (code == 0)
+    code = read_back(s, CSM_READ_VIEW_DEPTH, 0, pixels, &out->view_depth);
   return code;
 }
 
@@ -281,15 +301,15 @@ int stage_draw_from(stage *s, const camera *from, const scene_light *light) {
   return exit_code(csm_render_cascades(s->cascades, &s->frame));
 }
 
-int stage_mask(stage *s, const camera *from, float *mask, float *camera_depth, float *cascades) {
+int stage_mask(stage *s, const camera *from, float *mask, float *view_depth, float *cascades) {
   const size_t pixels = (size_t)s->setup->width * s->setup->height;
   s->frame.flags = 0;
   stage_look(s, from);
   int code = exit_code(resolve(s, CSM_SHOW_VISIBILITY));
   if (code == 0)
     code = read_into(s, CSM_READ_MASK, 0, pixels, mask);
-  if (code == 0 && camera_depth)
-    code = read_into(s, CSM_READ_CAMERA_DEPTH, 0, pixels, camera_depth);
+  if (code == 0 && view_depth)
+    code = read_into(s, CSM_READ_VIEW_DEPTH, 0, pixels, view_depth);
   if (code == 0 && cascades)
     code = exit_code(resolve(s, CSM_SHOW_CASCADE));
   if (code == 0 && cascades)
@@ -302,6 +322,7 @@ void stage_frame_free(stage_frame *frame) {
     free(frame->maps[k]);
   free(frame->mask);
   free(frame->camera_depth);
+  free(frame->view_depth);
   for (uint32_t i = 0; i < STAGE_VIEWS; i++)
     free(frame->views[i]);
   free(frame->casters);

@@ -36,6 +36,7 @@ typedef struct stage_frame {
   stage_stats stats;
   float *maps[CSM_MAX_CASCADES]; /* stage_map_texels each, top row first */
   float *mask, *camera_depth;    /* width * height, top row first */
+  float *view_depth;             /* likewise, in metres; INFINITY where nothing is */
   float *views[STAGE_VIEWS];     /* likewise; NULL: not asked for */
   uint8_t *casters;              /* by instance, as csm_get_casters tells; with the views */
 } stage_frame;
@@ -50,11 +51,17 @@ int stage_open_all(stage stages[HOST_BACKENDS], uint32_t *count, const host_opti
 /* Uploads the scene and makes the cascades. `setup` must live as long as the stage. 0, or a code after a message. */
 int stage_load(stage *s, const host_setup *setup);
 
+/* Gives back what stage_load made: the device stays open for another scene. */
+void stage_unload(stage *s);
+
 /* Moves to another backend; *ms gets what that took. 0, or a code after a message: the old one draws on then. */
 int stage_switch(stage *s, const char *backend, const char *device, double *ms);
 
 /* Changes the settings. 0, or a code after a message: the old ones hold then. */
 int stage_configure(stage *s, const csm_config *config);
+
+/* New cascades, without a history. 0, or a code after a message: the old ones are gone then. */
+int stage_restart(stage *s, const csm_config *config);
 
 /* A camera and a light as csm takes them. */
 csm_camera stage_camera(const camera *from);
@@ -83,10 +90,10 @@ int stage_read_views(stage *s, stage_frame *out);
 int stage_draw_from(stage *s, const camera *from, const scene_light *light);
 /*
  * Resolves the mask of what a camera sees, and reads it back. The maps are those that were drawn last, maybe for
- * another camera. camera_depth and cascades, which gets CSM_SHOW_CASCADE, may be NULL. All hold width * height pixels.
+ * another camera. view_depth, in metres, and cascades, which gets CSM_SHOW_CASCADE, may be NULL. All hold width * height pixels.
  * 0, or a code after a message.
  */
-int stage_mask(stage *s, const camera *from, float *mask, float *camera_depth, float *cascades);
+int stage_mask(stage *s, const camera *from, float *mask, float *view_depth, float *cascades);
 
 /*
  * Draws the cascades and the mask with timestamps, after a frame that warms up; GPU times are the medians of three.

@@ -30,7 +30,7 @@ MAY_SEE = {
     "examples": (PUBLIC, SHADER_INCLUDES),
 }
 # csm-host's own, from the lowest up: each may see those before it.
-HOST = ("base", "scene", "truth", "picture", "setup", "stage", "metrics", "measure", "report", "bench", "view", "app")
+HOST = ("base", "native", "scene", "truth", "picture", "setup", "stage", "metrics", "measure", "hard", "report", "bench", "view", "app")
 MAY_SEE |= {f"host/{name}": (PUBLIC, *(f"host/{lower}" for lower in HOST[:i])) for i, name in enumerate(HOST)}
 MAY_SEE["host/report"] += ("api/plan",)
 MAY_SEE["host/bench"] += ("api/plan", SHADER_INCLUDES, "shaders")  # it draws a plan without csm
@@ -144,6 +144,7 @@ PLANTED = [  # a folder, what is included there, and a word of what must be said
     ("host/bench", '"abi/context.h"', "api/abi"),
     ("host/truth", '"gpu.h"', "backends"),
     ("host/scene", '"stage/stage.h"', "host/stage"),
+    ("host/measure", '"hard/hard.h"', "host/hard"),
     ("examples", '"plan/plan.h"', "api/plan"),
     ("examples", '"../host/base/host.h"', "host/base/host.h"),
 ]

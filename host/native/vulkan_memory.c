@@ -1,4 +1,4 @@
-#include "bench/vulkan_memory.h"
+#include "native/vulkan_memory.h"
 #include <stdbool.h>
 
 static uint32_t memory_type(const vulkan_device *vulkan, uint32_t allowed, VkMemoryPropertyFlags wanted) {

@@ -1,8 +1,8 @@
-/* bench/vulkan_commands.h: commands that are recorded, submitted and waited for, and timed on the GPU. */
+/* native/vulkan_commands.h: commands that are recorded, submitted and waited for, and timed on the GPU. */
 #ifndef HOST_VULKAN_COMMANDS_H
 #define HOST_VULKAN_COMMANDS_H
 
-#include "bench/vulkan_memory.h"
+#include "native/vulkan_memory.h"
 
 typedef struct vulkan_commands {
   const vulkan_device *vulkan;

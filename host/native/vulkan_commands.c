@@ -1,4 +1,4 @@
-#include "bench/vulkan_commands.h"
+#include "native/vulkan_commands.h"
 
 VkResult vulkan_commands_open(vulkan_commands *out, const vulkan_device *vulkan) {
   *out = (vulkan_commands){.vulkan = vulkan};

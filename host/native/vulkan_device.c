@@ -1,4 +1,4 @@
-#include "bench/vulkan_device.h"
+#include "native/vulkan_device.h"
 #include <string.h>
 
 static VkResult open_instance(vulkan_device *out) {

@@ -1,8 +1,8 @@
-/* bench/vulkan_memory.h: memory, buffers and shader modules on the host's own Vulkan device. */
+/* native/vulkan_memory.h: memory, buffers and shader modules on the host's own Vulkan device. */
 #ifndef HOST_VULKAN_MEMORY_H
 #define HOST_VULKAN_MEMORY_H
 
-#include "bench/vulkan_device.h"
+#include "native/vulkan_device.h"
 #include <stddef.h>
 
 /* In memory that the host sees. */

@@ -1,4 +1,4 @@
-/* bench/vulkan_device.h: a Vulkan device as an engine has one, for the bare loops, and to lend to csm. */
+/* native/vulkan_device.h: a Vulkan device as an engine has one, for the bare loops, and to lend to csm. */
 #ifndef HOST_VULKAN_DEVICE_H
 #define HOST_VULKAN_DEVICE_H
 

@@ -1,0 +1,150 @@
+/* command.c: csm-host hard: runs cases, and tells their figures. */
+#include "base/host.h"
+#include "base/image.h"
+#include "hard/cases.h"
+#include "setup/output.h"
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PATH_SIZE 4096
+
+/* ---- figures ---- */
+
+bool hard_figure_holds(const hard_figure *figure) {
+  return figure->value <= figure->bound || figure->bound == INFINITY;
+}
+
+void hard_figure_add(hard_run *run, double value, double bound, const char *unit, const char *format, ...) {
+  hard_figure figure = {.value = value, .bound = bound, .unit = unit};
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(figure.what, sizeof figure.what, format, arguments);
+  va_end(arguments);
+  for (size_t i = 0; i < run->figure_count; i++) {
+    hard_figure *old = &run->figures[i];
+    if (strcmp(old->what, figure.what) != 0)
+      continue;
+    /* What is farthest over its bound: bounds may follow from what was drawn. */
+    if (!(value - bound <= old->value - old->bound) || (bound == INFINITY && value > old->value))
+      *old = figure;
+    return;
+  }
+  run->figures = host_grow(run->figures, &run->figure_capacity, run->figure_count + 1, sizeof *run->figures);
+  run->figures[run->figure_count++] = figure;
+}
+
+/* ---- one case ---- */
+
+int hard_run_case(hard_run *out, const hard_case *which, const host_options *options) {
+  *out = (hard_run){.options = options, .hard_case = which, .sweep = options->sweep, .worst = {.severity = -1.0}};
+  return which->run(out);
+}
+
+void hard_run_close(hard_run *run) {
+  hard_unload(run);
+  for (uint32_t i = 0; i < run->stage_count; i++)
+    stage_close(&run->stages[i]);
+  free(run->figures);
+  free(run->worst.expected);
+  free(run->worst.drawn);
+  *run = (hard_run){0};
+}
+
+/* ---- telling ---- */
+
+static void print_figures(FILE *to, const hard_run *run, bool markdown) {
+  for (size_t i = 0; i < run->figure_count; i++) {
+    const hard_figure *figure = &run->figures[i];
+    const char *verdict = figure->bound == INFINITY ? "stated" : hard_figure_holds(figure) ? "ok" : "BROKEN";
+    char bound[32] = "-";
+    if (figure->bound != INFINITY)
+      snprintf(bound, sizeof bound, "%.4g", figure->bound);
+    fprintf(to, markdown ? "| %s | %s | %.4g | %s | %s | %s |\n" : "%-14s %-64s %10.4g  %10s %-7s %s\n",
+            run->hard_case->name, figure->what, figure->value, bound, figure->unit, verdict);
+  }
+}
+
+static json_t *case_to_json(const hard_run *run, double seconds) {
+  json_t *object = json_object(), *figures = json_array();
+  for (size_t i = 0; i < run->figure_count; i++) {
+    const hard_figure *figure = &run->figures[i];
+    json_array_append_new(figures, json_pack("{s:s, s:o, s:o, s:s, s:b}", "what", figure->what, "value",
+                                             isfinite(figure->value) ? json_real(figure->value) : json_null(), "bound",
+                                             isfinite(figure->bound) ? json_real(figure->bound) : json_null(), "unit",
+                                             figure->unit, "holds", (int)hard_figure_holds(figure)));
+  }
+  json_object_set_new(object, "case", json_string(run->hard_case->name));
+  json_object_set_new(object, "about", json_string(run->hard_case->about));
+  json_object_set_new(object, "seconds", json_real(seconds));
+  json_object_set_new(object, "figures", figures);
+  return object;
+}
+
+static int save_worst(const hard_run *run, const char *folder) {
+  char path[PATH_SIZE];
+  image picture;
+  if (!run->worst.expected)
+    return 0;
+  if ((size_t)snprintf(path, sizeof path, "%s/%s.png", folder, run->hard_case->name) >= sizeof path)
+    return host_fail(HOST_BAD_INPUT, "--out: too long");
+  hard_worst_picture(&picture, &run->worst);
+  const int code = image_write_png(&picture, path);
+  image_free(&picture);
+  return code;
+}
+
+/* ---- the command ---- */
+
+static int choose(const hard_case *chosen[OPTIONS_MAX_CASES], uint32_t *count, const host_options *options) {
+  *count = options->case_count;
+  for (uint32_t i = 0; i < options->case_count; i++) {
+    chosen[i] = hard_case_find(options->cases[i]);
+    if (!chosen[i])
+      return HOST_BAD_INPUT;
+  }
+  for (; options->case_count == 0 && hard_cases[*count]; (*count)++)
+    chosen[*count] = hard_cases[*count];
+  return 0;
+}
+
+static int run_and_tell(const hard_case *which, const host_options *options, json_t *told) {
+  hard_run run;
+  const double begun_ms = host_now_ms();
+  host_progress(which->name);
+  int code = hard_run_case(&run, which, options);
+  host_progress("");
+  if (code == 0) {
+    print_figures(output_table(options), &run, options->markdown);
+    fflush(output_table(options));
+    json_array_append_new(told, case_to_json(&run, (host_now_ms() - begun_ms) * 1e-3));
+  }
+  if (code == 0 && options->has_out)
+    code = save_worst(&run, options->out);
+  for (size_t i = 0; code == 0 && i < run.figure_count; i++)
+    code = hard_figure_holds(&run.figures[i]) ? 0 : HOST_DIFFER;
+  hard_run_close(&run);
+  return code;
+}
+
+int hard_command(const host_options *options) {
+  const hard_case *chosen[OPTIONS_MAX_CASES];
+  uint32_t count = 0;
+  bool broken = false;
+  json_t *told = json_array();
+  int code = choose(chosen, &count, options);
+  if (code == 0 && options->has_out)
+    code = host_make_folder(options->out);
+  if (code == 0 && options->markdown)
+    fprintf(output_table(options), "| case | what | value | bound | unit | |\n|---|---|---|---|---|---|\n");
+  for (uint32_t i = 0; code == 0 && i < count; i++) {
+    code = run_and_tell(chosen[i], options, told);
+    broken = broken || code == HOST_DIFFER;
+    code = code == HOST_DIFFER ? 0 : code;
+  }
+  if (code == 0)
+    code = output_json(options, json_incref(told));
+  json_decref(told);
+  return code == 0 && broken ? HOST_DIFFER : code;
+}
