@@ -116,18 +116,27 @@ static bool check_name(const char *path, const char *uri) {
   return good;
 }
 
+/* Assimp crashes where an image in the text does not say what it is. */
+static bool check_data(const char *path, const char *uri, bool image) {
+  const bool good = !image || strncmp(uri, "data:image/", 11) == 0;
+  if (!good)
+    host_fail(HOST_BAD_INPUT, "the scene '%s' has an image that does not say what it is", path);
+  return good;
+}
+
 static bool check_names(const char *path, const json_t *document) {
   static const char *const kinds[] = {"buffers", "images"};
-  for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++) {
+  bool good = true;
+  for (int kind = 0; kind < 2; kind++) {
     size_t index;
     json_t *element;
-    json_array_foreach(json_object_get(document, kinds[k]), index, element) {
+    json_array_foreach(json_object_get(document, kinds[kind]), index, element) {
       const char *uri = json_string_value(json_object_get(element, "uri"));
-      if (uri && strncmp(uri, "data:", 5) != 0 && !check_name(path, uri))
-        return false;
+      if (good && uri)
+        good = strncmp(uri, "data:", 5) == 0 ? check_data(path, uri, kind == 1) : check_name(path, uri);
     }
   }
-  return true;
+  return good;
 }
 
 /* Assimp crashes where a skin leaves out its matrices, which glTF allows. */

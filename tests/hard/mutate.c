@@ -11,6 +11,7 @@
 
 #include <ctype.h>
 #include <dlfcn.h>
+#include <execinfo.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,7 +19,6 @@
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <time.h>
-#include <ucontext.h>
 #include <unistd.h>
 
 enum { ROOM = 1 << 16, LONGEST_S = 60 };
@@ -146,20 +146,30 @@ typedef struct shared {
   text input;
 } shared;
 
+/* Whether Assimp is among those that called what crashed. */
+static bool is_foreign(void) {
+  void *frames[100];
+  const int count = backtrace(frames, sizeof frames / sizeof *frames);
+  bool found = false;
+  for (int i = 0; i < count; ++i) {
+    Dl_info object = {0};
+    found = found || (dladdr(frames[i], &object) && object.dli_fname && strstr(object.dli_fname, "libassimp"));
+  }
+  return found;
+}
+
 /* A crash, or a hang, of a library that is not csm's own cannot be mended here. */
-static void crashed(int sent, siginfo_t *info, void *context) {
-  (void)info;
-  const ucontext_t *where = context;
-  Dl_info object = {0};
-  void *address = (void *)(uintptr_t)where->uc_mcontext.gregs[REG_RIP];
-  if (dladdr(address, &object) && object.dli_fname && strstr(object.dli_fname, "libassimp"))
+static void crashed(int sent) {
+  if (is_foreign())
     _exit(INPUT_FOREIGN);
   signal(sent, SIG_DFL);
   raise(sent);
 }
 
 static void watch(void) {
-  const struct sigaction action = {.sa_sigaction = crashed, .sa_flags = SA_SIGINFO | SA_ONSTACK};
+  const struct sigaction action = {.sa_handler = crashed, .sa_flags = SA_ONSTACK};
+  void *first[1];
+  backtrace(first, 1); /* loads what it needs */
   sigaction(SIGSEGV, &action, NULL);
   sigaction(SIGBUS, &action, NULL);
   sigaction(SIGALRM, &action, NULL);
