@@ -130,7 +130,7 @@ static void change(dice *dice, text *t, const input_seed *seeds, uint32_t count)
 
 /* The input of a number. */
 static void make(text *t, uint64_t seed, const input_seed *seeds, uint32_t count) {
-  dice dice = {seed * 0x9e3779b97f4a7c15u};
+  dice dice = {.state = seed * 0x9e3779b97f4a7c15u};
   const input_seed *from = &seeds[dice_below(&dice, count)];
   memcpy(t->bytes, from->data, from->size);
   t->size = from->size;
