@@ -18,6 +18,9 @@
  *
  * Threads: [any-thread] may be called at any time; [render-thread] one call at a time for one context, from any thread.
  * Contexts are independent of each other.
+ *
+ * Floating-point exceptions may trap (feenableexcept): csm's own arithmetic raises none of invalid, division by zero and
+ * overflow, and drivers, their threads and draw callbacks run with traps off.
  */
 #ifndef CSM_H
 #define CSM_H
