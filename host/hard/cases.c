@@ -9,6 +9,7 @@ const hard_case *const hard_cases[] = {
     &hard_far_vertices,
     &hard_turned,
     &hard_formats,
+    &hard_degenerate,
     NULL,
 };
 /* clang-format on */

@@ -9,6 +9,7 @@ extern const hard_case hard_offsets;
 extern const hard_case hard_far_vertices;
 extern const hard_case hard_turned;
 extern const hard_case hard_formats;
+extern const hard_case hard_degenerate;
 
 /* In the order of the table; NULL ends it. */
 extern const hard_case *const hard_cases[];
