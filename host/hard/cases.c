@@ -9,6 +9,7 @@ const hard_case *const hard_cases[] = {
     &hard_far_vertices,
     &hard_turned,
     &hard_formats,
+    &hard_borders,
     &hard_degenerate,
     &hard_many,
     &hard_limits,

@@ -9,6 +9,7 @@ extern const hard_case hard_offsets;
 extern const hard_case hard_far_vertices;
 extern const hard_case hard_turned;
 extern const hard_case hard_formats;
+extern const hard_case hard_borders;
 extern const hard_case hard_degenerate;
 extern const hard_case hard_many;
 extern const hard_case hard_limits;
