@@ -39,13 +39,14 @@ static csm_result fit_frame(plan_frame *frame, plan_fit *fits, const plan_frame_
     result = plan_light_make(frame->basis, info->config, info->light, info->before, error);
   if (result)
     return result;
-  const plan_fit_frame to = {.config = info->config,
-                             .camera = &frame->camera,
-                             .basis = frame->basis,
-                             .samples = info->samples,
-                             .sample_count = plan_depth_samples_usable(info, &frame->camera) ? info->sample_count : 0,
-                             .before = info->before,
-                             .after = &frame->history};
+  plan_fit_frame to = {.config = info->config,
+                       .camera = &frame->camera,
+                       .basis = frame->basis,
+                       .samples = info->samples,
+                       .sample_count = plan_depth_samples_usable(info, &frame->camera) ? info->sample_count : 0,
+                       .before = info->before,
+                       .after = &frame->history};
+  plan_steady_image(to.wider, &to);
   result = fit_cascades(frame, fits, &to, error);
   if (frame->unshadowed && info->before) /* what was fitted waits until there are shadows again */
     frame->history = *info->before;
@@ -106,5 +107,7 @@ void plan_history_reconfigure(plan_history *history) {
   plan_history kept = {.has_light = history->has_light};
   for (int i = 0; i < 9; ++i)
     kept.basis[i] = history->basis[i];
+  for (int i = 0; i < CSM_MAX_CASCADES; ++i)
+    kept.anchors[i] = history->anchors[i];
   *history = kept;
 }

@@ -77,7 +77,7 @@ void hard_run_close(hard_run *run) {
 static void print_figures(FILE *to, const hard_run *run, bool markdown) {
   for (size_t i = 0; i < run->figure_count; i++) {
     const hard_figure *figure = &run->figures[i];
-    const char *verdict = figure->bound == INFINITY ? "stated" : hard_figure_holds(figure) ? "ok" : "BROKEN";
+    const char *verdict = !hard_figure_holds(figure) ? "BROKEN" : figure->bound == INFINITY ? "stated" : "ok";
     char bound[32] = "-";
     if (figure->bound != INFINITY)
       snprintf(bound, sizeof bound, "%.4g", figure->bound);

@@ -50,7 +50,7 @@ int hard_restart(hard_run *run, const csm_config *config) {
 
 void hard_picture_free(hard_picture *picture) {
   free(picture->mask);
-  free(picture->camera_depth);
+  free(picture->view_depth);
   free(picture->cascades);
   *picture = (hard_picture){0};
 }
@@ -61,7 +61,7 @@ static void picture_make(hard_picture *out, const host_setup *setup, uint32_t wa
   *out =
       (hard_picture){.width = setup->width, .height = setup->height, .mask = host_allocate(pixels, sizeof *out->mask)};
   if (wanted & HARD_DEPTH)
-    out->camera_depth = host_allocate(pixels, sizeof *out->camera_depth);
+    out->view_depth = host_allocate(pixels, sizeof *out->view_depth);
   if (wanted & HARD_CASCADES)
     out->cascades = host_allocate(pixels, sizeof *out->cascades);
 }
@@ -81,7 +81,7 @@ int hard_resolve(hard_run *run, const camera *from, uint32_t wanted, hard_pictur
   for (uint32_t i = 0; code == 0 && i < run->stage_count; i++) {
     hard_picture *picture = i == 0 ? out : &other;
     picture_make(picture, run->setup, wanted);
-    code = stage_mask(&run->stages[i], from, picture->mask, picture->camera_depth, picture->cascades);
+    code = stage_mask(&run->stages[i], from, picture->mask, picture->view_depth, picture->cascades);
     if (code == 0 && i > 0)
       compare_backends(run, out, picture);
   }

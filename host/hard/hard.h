@@ -128,14 +128,14 @@ int hard_configure(hard_run *run, const csm_config *config);
 int hard_restart(hard_run *run, const csm_config *config);
 
 enum {
-  HARD_DEPTH = 1u << 0,   /* the camera's depth, too */
+  HARD_DEPTH = 1u << 0,   /* view depth, too */
   HARD_CASCADES = 1u << 1 /* and which cascade each pixel takes, as CSM_SHOW_CASCADE has it */
 };
 
 /* What was drawn, top row first. */
 typedef struct hard_picture {
   uint32_t width, height;
-  float *mask, *camera_depth, *cascades;
+  float *mask, *view_depth, *cascades; /* view_depth: in metres; INFINITY where nothing is */
 } hard_picture;
 
 /*

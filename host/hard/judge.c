@@ -44,11 +44,14 @@ static seen_point point_of(const hard_truth *truth, const camera_rays *rays, uin
   return point;
 }
 
-/* Neighbours lie on surfaces that join where their points are no farther apart than what their planes span. */
+/* Neighbours lie on surfaces that join where their points are no farther apart than what their planes span. The sky is
+ * one with itself. */
 static bool joined(const seen_point *a, const seen_point *b) {
   double apart[3];
+  if (!a->seen || !b->seen)
+    return a->seen == b->seen;
   vec_subtract(apart, a->place, b->place);
-  return a->seen && b->seen && vec_length(apart) <= 2.0 * (a->span + b->span);
+  return vec_length(apart) <= 2.0 * (a->span + b->span);
 }
 
 /* Marks both of two neighbours. */
@@ -229,7 +232,7 @@ int hard_measure(metrics *out, const hard_truth *truth, const hard_picture *draw
                                .shadow_distance = truth->shadow_distance,
                                .visibility = truth->visibility,
                                .mask = drawn->mask,
-                               .camera_depth = drawn->camera_depth};
+                               .view_depth = drawn->view_depth};
   const int code = metrics_measure(out, &frame, kinds);
   free(kinds);
   return code;
