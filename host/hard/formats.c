@@ -112,13 +112,24 @@ static int judge_scene(hard_run *run, const host_setup *setup, hard_margin margi
   return code;
 }
 
-static int draw_plane(hard_run *run, double range, double height_deg) {
+static int draw_plane(hard_run *run, double range, double height_deg, uint32_t filter, uint32_t bias) {
   host_setup setup;
   make_scene(&setup, INFINITY, range);
   setup.light = hard_sun(height_deg, 70.0);
+  setup.config.filter = filter;
+  setup.config.bias_mode = filter == CSM_FILTER_LINEAR_DEPTH ? CSM_BIAS_SLOPE : bias; /* it compares once */
   const int code = judge_scene(run, &setup, (hard_margin){.edge_px = 0.0}, "a lit plane");
   hard_unload(run);
   setup_free(&setup);
+  return code;
+}
+
+/* With the default filter and bias, or with all. */
+static int draw_planes(hard_run *run, double range, double height_deg) {
+  int code = draw_plane(run, range, height_deg, CSM_FILTER_PCF_3X3, CSM_BIAS_RECEIVER_PLANE);
+  for (uint32_t filter = 0; run->sweep && code == 0 && filter <= CSM_FILTER_GRID_17; filter++)
+    for (uint32_t bias = 0; code == 0 && bias <= CSM_BIAS_RECEIVER_PLANE; bias++)
+      code = draw_plane(run, range, height_deg, filter, bias);
   return code;
 }
 
@@ -155,7 +166,7 @@ static int run_case(hard_run *run) {
   for (int power = 2; code == 0 && power <= 5; power += run->sweep ? 1 : 3) {
     const double range = pow(10.0, power);
     for (int i = 0; code == 0 && i < 3; i += run->sweep ? 1 : 2)
-      code = draw_plane(run, range, suns[i]);
+      code = draw_planes(run, range, suns[i]);
     if (code == 0)
       code = draw_lid(run, range);
     if (code == 0)
