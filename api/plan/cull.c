@@ -84,13 +84,11 @@ static double least_width(const plan_area *areas, uint32_t count) {
   return least / 5.0;
 }
 
-static bool is_large(const plan_light_block *block, uint32_t at, double least) {
-  double square = 0.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double width = block->high[axis][at] - block->low[axis][at];
-    square += width * width;
-  }
-  return square > least * least;
+static bool any_far(const plan_scene *scene) {
+  bool far = false;
+  for (uint32_t i = 0; i < scene->mesh_count && !far; ++i)
+    far = plan_bounds_far(&scene->meshes[i]);
+  return far;
 }
 
 static bool other_layers(const plan_instance *instance, uint32_t layers) {
@@ -118,10 +116,9 @@ static void note_rounding(const plan_light_cull *cull, const plan_scene *scene, 
 }
 
 static void cull_block(plan_lists *lists, const plan_light_cull *cull, const plan_scene *scene,
-                       const plan_light_block *block, uint32_t first) {
+                       const plan_light_block *block, uint32_t first, bool may_be_off) {
   slot_pair pairs[PLAN_BLOCK / 2] = {0};
   int64_t meets[PLAN_BLOCK];
-  const double large = least_width(cull->areas, lists->count);
   for (uint32_t i = 0; i < lists->count; ++i)
     meet_area(pairs, block, &cull->areas[i], i);
   memcpy(meets, pairs, sizeof meets);
@@ -133,13 +130,14 @@ static void cull_block(plan_lists *lists, const plan_light_cull *cull, const pla
       continue;
     lists->masks[first + i] = (uint8_t)meets[i];
     note(lists, cull, instance, (uint32_t)meets[i], block->low[2][i]);
-    if (is_large(block, i, large) || plan_bounds_far(&scene->meshes[instance->mesh]))
+    if (may_be_off)
       note_rounding(cull, scene, instance, (uint32_t)meets[i], block->high[2][i]);
   }
 }
 
 plan_kept plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const plan_scene *scene) {
   const plan_kept kept = plan_cache_fill(cull->cache, cull->basis, scene);
+  const double least = any_far(scene) ? 0.0 : least_width(cull->areas, lists->count);
   lists->among = scene->caster_count;
   for (uint32_t i = 0; i < lists->count; ++i)
     cull->areas[i].first_caster = INFINITY;
@@ -147,7 +145,8 @@ plan_kept plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const 
     plan_light_block made;
     if (!kept.blocks)
       plan_light_block_make(&made, cull->basis, scene, first);
-    cull_block(lists, cull, scene, kept.blocks ? &kept.blocks[first / PLAN_BLOCK] : &made, first);
+    const plan_light_block *block = kept.blocks ? &kept.blocks[first / PLAN_BLOCK] : &made;
+    cull_block(lists, cull, scene, block, first, block->largest > least * least);
   }
   return kept;
 }

@@ -220,6 +220,7 @@ void plan_scene_bounds(plan_scene_box *out, const double basis[9], const plan_sc
 enum { PLAN_BLOCK = 64 };
 typedef struct plan_light_block {
   double low[3][PLAN_BLOCK], high[3][PLAN_BLOCK];
+  double largest; /* no caster's size is above it: the diagonal of its box, squared */
 } plan_light_block;
 /* What a cache keeps for a light. */
 typedef struct plan_kept {

@@ -96,17 +96,26 @@ static double stored_reach(const plan_instance *instance, const plan_bounds *bou
   return sqrt(square);
 }
 
+/* How far from the slice's middle that is. */
+static double origin_away(const plan_rounding *rounding, const double basis[9], const plan_instance *instance,
+                          const plan_bounds *bounds) {
+  double origin[3], square = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    const double *row = &instance->transform[i * 4];
+    origin[i] = plan_dot(row, bounds->offset) + row[3];
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const double apart = plan_dot(origin, &basis[axis * 3]) - rounding->middle[axis];
+    square += apart * apart;
+  }
+  return sqrt(square);
+}
+
 void plan_rounding_note(plan_rounding *rounding, const double basis[9], const plan_instance *instance,
                         const plan_bounds *bounds, double end) {
   if (end < rounding->begin) /* above all that the slice holds: it shades, and is not shaded there */
     return;
-  double to_light[12], square = 0.0;
-  plan_light_transform(to_light, basis, instance, bounds);
-  for (int axis = 0; axis < 3; ++axis) {
-    const double apart = to_light[axis * 4 + 3] - rounding->middle[axis];
-    square += apart * apart;
-  }
-  const double away = sqrt(square) + stored_reach(instance, bounds);
+  const double away = origin_away(rounding, basis, instance, bounds) + stored_reach(instance, bounds);
   if (!(away > rounding->least))
     return;
   plan_placed box;
