@@ -6,7 +6,7 @@
 static csm_result check_owner(csm_context *context, const csm_read_info *info) {
   host *host = &context->host;
   const bool map = info->source == CSM_READ_MAP;
-  if (info->source > CSM_READ_CAMERA_DEPTH)
+  if (info->source > CSM_READ_VIEW_DEPTH)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_read_info: there is no source %u", info->source);
   if (info->reserved)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_read_info: reserved is %u, not 0", info->reserved);
@@ -53,8 +53,10 @@ static void unpack(const technique_image *from, const unsigned char *rows, uint3
   const uint32_t bytes = gpu_format_bytes(from->format);
   for (uint32_t y = 0; y < from->part.height; ++y) {
     const unsigned char *row = rows + (size_t)(from->part.y + y) * row_bytes + (size_t)from->part.x * bytes;
-    for (uint32_t x = 0; x < from->part.width; ++x)
-      *out++ = texel(row + (size_t)x * bytes, from->format);
+    for (uint32_t x = 0; x < from->part.width; ++x) {
+      const float value = texel(row + (size_t)x * bytes, from->format);
+      *out++ = from->drawn_with ? (float)plan_convert_depth(from->drawn_with, from->read_as, value) : value;
+    }
   }
 }
 

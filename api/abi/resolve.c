@@ -10,6 +10,7 @@ typedef struct resolve {
   csm_mask_info info;
   frame_input input;
   plan_camera camera;
+  plan_camera depth_camera; /* that the depth is of */
   plan_scene scene;
   plan_list seen; /* empty if the engine brings its depth */
 } resolve;
@@ -45,15 +46,18 @@ static csm_result look(csm_context *context, resolve *r) {
   csm_result result = plan_camera_make(&r->camera, camera->view, camera->projection, camera->reversed, &text);
   if (result)
     return host_fail(&context->host, result, "csm_frame: %s", text);
+  r->depth_camera = r->camera;
   if (r->info.camera_depth)
     return CSM_SUCCESS;
   result = frame_input_scene(context, &r->input, &context->list, &r->scene);
   if (!result)
     result = host_grow(&context->host, &context->scratch, &context->scratch_size,
                        plan_memory_size(r->scene.slot_count, r->scene.mesh_count, 0));
-  if (!result)
-    plan_view_make(&r->seen, &r->camera, &r->scene, context->scratch);
-  return result;
+  if (result)
+    return result;
+  plan_view_make(&r->seen, &r->camera, &r->scene, context->scratch);
+  plan_depth_camera_make(&r->depth_camera, &r->camera, &r->seen, &r->scene);
+  return CSM_SUCCESS;
 }
 
 static csm_result record(csm_view *view, csm_cascades *cascades, const resolve *r) {
@@ -62,6 +66,7 @@ static csm_result record(csm_view *view, csm_cascades *cascades, const resolve *
                                .height = r->info.height,
                                .show = r->info.show,
                                .camera = &r->camera,
+                               .depth_camera = &r->depth_camera,
                                .scene = &r->scene,
                                .seen = &r->seen,
                                .engines_depth = r->info.camera_depth,

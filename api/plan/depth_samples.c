@@ -18,15 +18,6 @@
 /* The bound of a map never shrinks below 1/16 of its fit. */
 #define MOST_STEPS (4.0 * PLAN_STEPS_PER_OCTAVE)
 
-/* The view depth of a depth in the camera's buffer; INFINITY beyond PLAN_LARGEST. */
-static double view_depth(const plan_camera *camera, double depth) {
-  const double *p = camera->projection;
-  const double above = p[14] - depth * p[15], below = depth * p[11] - p[10];
-  if (fabs(above) > PLAN_LARGEST * fabs(below)) /* infinitely far away */
-    return INFINITY;
-  return plan_view_side(camera) * (above / below);
-}
-
 /* The view-space corners of what a tile saw between two view depths; a tile at the border goes on beyond it. */
 static void tile_corners(double (*corners)[3], const plan_depth_samples *samples, uint32_t column, uint32_t row,
                          const double depths[2], double margin) {
@@ -53,7 +44,7 @@ static bool tile_depths(double depths[2], const plan_depth_samples *samples, uin
   const float *bounds = samples->depths[row * samples->columns + column];
   if (!islessequal(bounds[0], bounds[1]) || bounds[0] < 0.0f || bounds[1] > 1.0f)
     return false;
-  const double a = view_depth(&samples->camera, bounds[0]), b = view_depth(&samples->camera, bounds[1]);
+  const double a = plan_view_depth(&samples->camera, bounds[0]), b = plan_view_depth(&samples->camera, bounds[1]);
   depths[0] = fmin(a, b);
   depths[1] = fmax(a, b);
   return depths[1] < INFINITY;

@@ -5,7 +5,8 @@
 
 /*
  * Places, sizes and depths are whole multiples of steps that follow from the projection and the configuration alone,
- * counted from the world's origin, so that whatever moves, a still point keeps its place within a texel, and its depth:
+ * counted from an anchor in the world, so that however the camera moves, a still point keeps its place within a texel,
+ * and its depth. steady.c says how sizes and anchors carry on where the projection or the light changes.
  *
  * - A slice's sphere has the same radius however the camera stands, so its texels always have the same size, and the
  *   map begins at a whole number of texels. So has a square as wide as the slice's longest diagonal. A box that fits
@@ -86,9 +87,11 @@ static void box_extent(extent *out, const plan_fit_frame *frame, const double in
 }
 
 /* False: numbers too large to plan with. */
-static bool slice_extent(extent *out, const plan_fit_frame *frame, double near, double far) {
+static bool slice_extent(extent *out, const plan_fit_frame *frame, const double depths[2]) {
+  const double exact[2] = {1.0, 1.0};
+  const bool stable = is_sphere(frame->config) || is_square(frame->config);
   double corners[8][3], inverse[9];
-  if (!plan_slice_corners(corners, frame->camera, near, far))
+  if (!plan_slice_corners(corners, frame->camera, stable ? frame->wider : exact, depths))
     return false;
   plan_view_rotation_inverse(inverse, frame->camera->view);
   if (is_sphere(frame->config))
@@ -139,13 +142,13 @@ csm_result plan_fit_slice(plan_fit *out, const plan_fit_frame *frame, uint32_t c
                           const char **error) {
   static const char too_large[] = "view and projection have numbers too large to plan with";
   const csm_config *config = frame->config;
-  const double begin = begins_at_camera(config) ? frame->camera->near_depth : depths[0];
+  const double between[2] = {begins_at_camera(config) ? frame->camera->near_depth : depths[0], depths[1]};
   const uint32_t resolution = plan_resolution(config, cascade);
   extent slice;
-  if (!slice_extent(&slice, frame, begin, depths[1]))
+  if (!slice_extent(&slice, frame, between))
     return plan_fail(error, CSM_ERROR_INVALID_CAMERA, too_large);
 
-  double middle[2] = {slice.middle[0], slice.middle[1]}, width[2] = {slice.width[0], slice.width[1]};
+  double middle[3] = {slice.middle[0], slice.middle[1], slice.middle[2]}, width[2] = {slice.width[0], slice.width[1]};
   if (is_square(config))
     width[0] = width[1] = slice.diameter;
   if (frame->sample_count)
@@ -153,13 +156,14 @@ csm_result plan_fit_slice(plan_fit *out, const plan_fit_frame *frame, uint32_t c
   if (frame->casters)
     bound_casters(middle, width, frame, resolution);
   size_texels(out->texel, width, config, resolution);
-  const double largest = fmax(fabs(middle[0]), fmax(fabs(middle[1]), fabs(slice.middle[2])));
+  const double largest = fmax(fabs(middle[0]), fmax(fabs(middle[1]), fabs(middle[2])));
   const double finest = fmin(out->texel[0], out->texel[1]);
   if (!(finest > 1.0 / PLAN_LARGEST) || !(largest < MOST_TEXELS * finest))
     return plan_fail(error, CSM_ERROR_INVALID_CAMERA, too_large);
 
+  plan_steady_anchor(out, frame, cascade, middle);
   for (int i = 0; i < 2; ++i)
-    out->origin[i] = snap(middle[i] / out->texel[i] - resolution / 2.0, config);
+    out->origin[i] = snap((middle[i] - out->anchor[i]) / out->texel[i] - resolution / 2.0, config);
   out->resolution = resolution;
   out->step = slice.diameter / (2.0 * DEPTH_STEPS_PER_RADIUS);
   out->depth[0] = slice.middle[2] - slice.width[2] / 2.0;
@@ -169,8 +173,9 @@ csm_result plan_fit_slice(plan_fit *out, const plan_fit_frame *frame, uint32_t c
 
 /* ---- along the light ---- */
 
+/* All in steps from the anchor. */
 static double steps_end(const plan_fit *fit) {
-  return ceil(fit->depth[1] / fit->step);
+  return ceil((fit->depth[1] - fit->anchor[2]) / fit->step);
 }
 
 /* Steps from the first kept depth to the map's end. */
@@ -178,8 +183,8 @@ static double depth_steps(const plan_fit *fit, const plan_area *area, double shi
   const double least = DEPTH_STEPS + ceil(shift / fit->step);
   const double farthest = fmin(config->caster_distance, plan_longest_range(fit, config) - least * fit->step);
   const double most = least + ceil(fmax(farthest, 0.0) / fit->step);
-  const double wanted =
-      fmin(steps_end(fit) - area->first_caster / fit->step, most); /* minus infinity without casters */
+  const double wanted = fmin(steps_end(fit) - (area->first_caster - fit->anchor[2]) / fit->step,
+                             most); /* minus infinity without casters */
   double steps = least;
   while (steps < wanted)
     steps *= 2.0;
@@ -243,8 +248,8 @@ static void bound_depth(double depth[2], const plan_fit *fit, const csm_config *
 plan_area plan_fit_area(const plan_fit *fit, const csm_config *config, const plan_scene_box *box) {
   plan_area area = {.depth = {INFINITY, -INFINITY}, .rounding = plan_rounding_begin(fit, config)};
   for (int i = 0; i < 2; ++i) {
-    area.min[i] = fit->origin[i] * fit->texel[i];
-    area.max[i] = (fit->origin[i] + fit->resolution) * fit->texel[i];
+    area.min[i] = fit->anchor[i] + fit->origin[i] * fit->texel[i];
+    area.max[i] = fit->anchor[i] + (fit->origin[i] + fit->resolution) * fit->texel[i];
   }
   if (config->depth_mode == CSM_DEPTH_SCENE && box->corner_count)
     for (int i = 0; i < 8; ++i) {
@@ -260,7 +265,7 @@ plan_area plan_fit_area(const plan_fit *fit, const csm_config *config, const pla
   }
   bound_depth(area.depth, fit, config);
   if (config->depth_mode == CSM_DEPTH_CASTERS)
-    area.depth[1] = steps_end(fit) * fit->step;
+    area.depth[1] = fit->anchor[2] + steps_end(fit) * fit->step;
   return area;
 }
 
@@ -286,7 +291,7 @@ void plan_fit_place(plan_cascade *cascade, const plan_fit *fit, const plan_area 
   double scale[3], origin[3];
   for (int i = 0; i < 2; ++i) {
     scale[i] = 1.0 / (fit->texel[i] * fit->resolution);
-    origin[i] = fit->origin[i] / fit->resolution;
+    origin[i] = (fit->anchor[i] / fit->texel[i] + fit->origin[i]) / fit->resolution;
   }
   /* Receivers at the range's begin stay within it when they are moved */
   const bool stepped = config->depth_mode == CSM_DEPTH_CASTERS;
@@ -297,7 +302,7 @@ void plan_fit_place(plan_cascade *cascade, const plan_fit *fit, const plan_area 
   if (stepped) {
     const double steps = depth_steps(fit, area, shift, config);
     range = steps * fit->step;
-    origin[2] = (steps_end(fit) - steps) / steps;
+    origin[2] = (fit->anchor[2] / fit->step + steps_end(fit) - steps) / steps;
   }
   scale[2] = 1.0 / range;
   cascade->info.texel_size = fmax(fit->texel[0], fit->texel[1]);
@@ -305,7 +310,8 @@ void plan_fit_place(plan_cascade *cascade, const plan_fit *fit, const plan_area 
   cascade->shift = shift;
   for (int i = 0; i < 2; ++i) {
     cascade->texel[i] = fit->texel[i];
-    cascade->origin_texels[i] = fit->origin[i];
+    cascade->origin_texels[i] = fit->anchor[i] / fit->texel[i] + fit->origin[i];
+    cascade->place_texels[i] = fit->place[i] + floor(fit->origin[i]);
   }
   cascade->resolution = fit->resolution;
   put_matrices(cascade, scale, origin, basis, config->map_reversed);

@@ -68,6 +68,7 @@ static csm_result fit_frame(plan_frame *frame, plan_fit *fits, const plan_frame_
                        .sample_count = plan_depth_samples_usable(info, &frame->camera) ? info->sample_count : 0,
                        .before = info->before,
                        .after = &frame->history};
+  plan_steady_image(to.wider, &to);
   if (find_casters(&casters, &to, info))
     to.casters = &casters;
   result = fit_cascades(frame, fits, &to, error);
@@ -130,5 +131,7 @@ void plan_history_reconfigure(plan_history *history) {
   plan_history kept = {.has_light = history->has_light};
   for (int i = 0; i < 9; ++i)
     kept.basis[i] = history->basis[i];
+  for (int i = 0; i < CSM_MAX_CASCADES; ++i)
+    kept.anchors[i] = history->anchors[i];
   *history = kept;
 }

@@ -54,7 +54,7 @@ void plan_view_hull(plan_hull *out, const plan_camera *camera, const double basi
   double corners[8][3], points[8][3], inverse[9];
   int hull[PLAN_HULL_MOST + 1];
   *out = (plan_hull){0};
-  if (!plan_slice_corners(corners, camera, camera->near_depth, end))
+  if (!plan_slice_corners(corners, camera, (double[2]){1.0, 1.0}, (double[2]){camera->near_depth, end}))
     return;
   plan_view_rotation_inverse(inverse, camera->view);
   for (int i = 0; i < 8; ++i)

@@ -83,6 +83,7 @@ typedef struct plan_fit_frame {
   const csm_config *config;
   const plan_camera *camera;
   const double *basis;
+  double wider[2];                   /* the image that stable fits are sized for; see plan_steady_image */
   const plan_depth_samples *samples; /* of each view */
   uint32_t sample_count;             /* 0: nothing is fitted to them */
   const plan_span *casters;          /* of all that casts into the view; NULL: not known, or of no use */
@@ -117,10 +118,17 @@ void plan_depth_samples_bound(double middle[2], double width[2], const plan_fit_
 
 /* ---- slices ---- */
 /*
- * The corners in view space of what lies between two view depths: four of its near face, then of its far one. False:
- * numbers above PLAN_LARGEST.
+ * Jitter moves the image by less than a pixel, and must not change a texel's size. So the image's offset from the view
+ * axis is rounded to whole steps, and the slice is made larger by half a step to each side (of clip space, whose sides
+ * are at -1 and 1), which covers the image wherever in its step it is. Half a pixel of jitter is less than this from
+ * 128 pixels on.
  */
-bool plan_slice_corners(double corners[8][3], const plan_camera *camera, double near, double far);
+#define PLAN_OFFSET_STEP (1.0 / 64.0)
+/*
+ * The corners in view space of what lies between two view depths: four of its near face, then of its far one, of an
+ * image that is so many times as wide and as high as the camera's. False: numbers above PLAN_LARGEST.
+ */
+bool plan_slice_corners(double corners[8][3], const plan_camera *camera, const double wider[2], const double depths[2]);
 /* The least sphere, in view space, around a slice; see sphere.c. Depends on the projection alone. */
 void plan_slice_sphere(double center[3], double *radius, const double corners[8][3]);
 /* The sphere around the mean of its corners, likewise. */
@@ -133,7 +141,9 @@ void plan_view_to_light(double out[3], const plan_camera *camera, const double b
 /* Where a map lies in light space, before its casters are known. */
 typedef struct plan_fit {
   double texel[2];  /* metres along right and up */
-  double origin[2]; /* the map's beginning, in texels from the world's origin */
+  double anchor[3]; /* the point in light space from which texels and depth steps are counted, metres */
+  double place[2];  /* the number of texels that this point counts as */
+  double origin[2]; /* the map's beginning, in texels from the anchor */
   double depth[2];  /* of the slice along the light, metres */
   double step;      /* of depths that are rounded, metres */
   uint32_t resolution;
@@ -188,6 +198,12 @@ void plan_rounding_note(plan_rounding *rounding, const double basis[9], const pl
                         const plan_bounds *bounds, double end);
 /* How far receivers are moved towards the light in a map of that depth range. */
 double plan_rounding_shift(const plan_rounding *rounding, double range);
+
+/* ---- what carries on from frame to frame ---- */
+/* How many times as wide, and as high, as the camera's the image is that maps are sized for. */
+void plan_steady_image(double wider[2], const plan_fit_frame *frame);
+/* Fills in anchor and place of a fit whose texels are known; `middle` is the map's in light space. */
+void plan_steady_anchor(plan_fit *fit, const plan_fit_frame *frame, uint32_t cascade, const double middle[3]);
 
 /* ---- filter ---- */
 enum { PLAN_MAX_TAPS = 31, PLAN_MAX_WEIGHTS = 16, PLAN_LEAST_RESOLUTION = 16 };

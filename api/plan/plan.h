@@ -162,7 +162,7 @@ typedef struct plan_list {
 
 /* What a view saw: the least and the greatest depth in each square tile of its depth buffer, rows from the top. */
 typedef struct plan_depth_samples {
-  plan_camera camera;
+  plan_camera camera;      /* that the depths are of */
   plan_camera maps_camera; /* of the maps that the view was resolved with */
   uint32_t width, height, tile_px;
   uint32_t columns, rows;   /* 0: nothing is known */
@@ -178,22 +178,34 @@ typedef struct plan_steps {
   uint32_t wide_frames; /* for so many frames in a row it has been wider than it need be */
 } plan_steps;
 
+/* The point that the grid of a map's texels is counted from. */
+typedef struct plan_anchor {
+  double at[3];    /* world */
+  double place[2]; /* the whole number of texels that it counts as, so that the count goes on where it is moved */
+  double texel[2]; /* of the grid, metres; 0: there was no map yet, and the world's origin is the anchor */
+} plan_anchor;
+
 /* What a frame hands to the next one. Zero is the first frame. */
 typedef struct plan_history {
   bool has_light, has_samples, has_bounds[CSM_MAX_CASCADES], has_casters_width;
-  double basis[9];                             /* of the light that was drawn with */
+  double basis[9]; /* of the light that was drawn with */
+  plan_anchor anchors[CSM_MAX_CASCADES];
+  double image[2];                             /* half of what stable fits are sized for along clip x and y: tangents
+                                                  of a perspective camera, metres of an orthographic one; 0: none */
   plan_steps sample_range[2];                  /* what splits were fitted to */
   plan_steps casters_width;                    /* that maps were narrowed to */
   plan_steps bound_steps[CSM_MAX_CASCADES][2]; /* by which each map was narrowed */
 } plan_history;
 
-/* Forgets what belongs to a configuration, and keeps how the maps are turned about the light. */
+/* Forgets what belongs to a configuration, and keeps how the maps are turned about the light, and their grids' anchors.
+ */
 void plan_history_reconfigure(plan_history *history);
 
 typedef struct plan_cascade {
   csm_cascade_info info;
   double texel[2];         /* metres along right and up */
   double origin_texels[2]; /* where the map begins, from the world's origin */
+  double place_texels[2];  /* where it begins, as its grid is counted: whole numbers */
   uint32_t resolution;
   double to_clip[12]; /* light space (right, up, along, relative to the world's origin) to clip: three rows of four */
   double shift;       /* metres towards the light by which receivers are moved before they are compared */
@@ -261,6 +273,24 @@ csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *m
 /* What a camera sees of the receivers, for a depth pre-pass. */
 void plan_view_make(plan_list *out, const plan_camera *camera, const plan_scene *scene, void *memory);
 
+/* ---- a camera's depth ---- */
+/*
+ * The camera that csm draws a camera's depth with. It sees the same, but for what lies outside of its range along the
+ * view; its depth is always reversed, for floats are finest near 0. So depths are to 2^-24 of their distance, whatever the
+ * planes of a perspective camera are, and those of an orthographic one to 2^-24 of what its list takes up.
+ */
+void plan_depth_camera_make(plan_camera *out, const plan_camera *camera, const plan_list *seen,
+                            const plan_scene *scene);
+/* The depth in a camera's buffer where there is no surface. */
+static inline double plan_clear_depth(const plan_camera *camera) {
+  return camera->reversed ? 0.0 : 1.0;
+}
+/* The view depth that a depth in a camera's buffer means; INFINITY beyond PLAN_LARGEST. */
+double plan_view_depth(const plan_camera *camera, double depth);
+/* The same place's depth in another camera's buffer; `to` may be NULL, for its view depth: INFINITY if there is no
+   surface. The two see the same way from the same place. */
+double plan_convert_depth(const plan_camera *from, const plan_camera *to, double depth);
+
 /* Object to clip of every instance in the list: three float4 rows each (12 floats); w is 1. Precondition: the cache that
    the frame was planned with has not been used since. */
 void plan_write_cascade_matrices(float *out, const plan_frame *frame, uint32_t cascade, const plan_scene *scene);
@@ -271,10 +301,10 @@ void plan_write_view_matrices(float *out, const plan_list *list, const plan_came
 uint32_t plan_write_constants(float *out, const plan_frame *frame, const csm_config *config);
 /* What a mask is drawn for. */
 typedef struct plan_picture {
-  const plan_camera *camera;
-  uint32_t width, height; /* in pixels */
-  uint32_t show;          /* CSM_SHOW_* */
-  bool unorm_normals;     /* the engine's normals are normalised integers */
+  const plan_camera *camera; /* that its depth is of */
+  uint32_t width, height;    /* in pixels */
+  uint32_t show;             /* CSM_SHOW_* */
+  bool unorm_normals;        /* the engine's normals are normalised integers */
 } plan_picture;
 
 /* The block of the mask pass: how the picture's pixels map to light space, relative to frame->origin. Returns its

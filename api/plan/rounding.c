@@ -49,7 +49,7 @@ plan_rounding plan_rounding_begin(const plan_fit *fit, const csm_config *config)
   plan_rounding rounding = {
       .begin = fit->depth[0], .slope_max = config->bias_slope_max, .most = fit->depth[1] - fit->depth[0]};
   for (int i = 0; i < 2; ++i)
-    rounding.middle[i] = (fit->origin[i] + fit->resolution / 2.0) * fit->texel[i];
+    rounding.middle[i] = fit->anchor[i] + (fit->origin[i] + fit->resolution / 2.0) * fit->texel[i];
   rounding.middle[2] = (fit->depth[0] + fit->depth[1]) / 2.0;
   rounding.covered[0] = texel * fmax(config->bias_constant_texels, TEXELS) + config->bias_constant_m;
   rounding.covered[1] = texel * fmax(sloped, TEXELS);

@@ -4,23 +4,28 @@
 #include <math.h>
 
 /*
- * Jitter moves the image by less than a pixel, and must not change a texel's size. So the image's offset from the view
- * axis is rounded to whole steps, and the slice is made larger by half a step to each side (of clip space, whose sides
- * are at -1 and 1), which covers the image wherever in its step it is. Half a pixel of jitter is less than this from
- * 128 pixels on.
+ * Where the middle of an image that is `wider` times as wide lies along an axis of clip space. It grows about the view
+ * axis as an image does when the camera zooms, or about its own middle if the view axis is outside.
  */
-#define OFFSET_STEP (1.0 / 64.0)
+static double image_middle(double offset, double wider) {
+  const double middle = -round(offset / PLAN_OFFSET_STEP) * PLAN_OFFSET_STEP;
+  return fabs(middle) < 1.0 ? middle * wider : middle;
+}
 
 /* The corners of the slice's face at a view depth, in view space, ordered around the face. */
-static void face_corners(double (*corners)[3], const plan_camera *camera, double depth) {
+static void face_corners(double (*corners)[3], const plan_camera *camera, const double wider[2], double depth) {
   const double *p = camera->projection;
   const double z = plan_view_side(camera) * depth, w = p[11] * z + p[15];
   const double offset[2] = {(p[8] * z + p[12]) / w, (p[9] * z + p[13]) / w};
   const double determinant = p[0] * p[5] - p[4] * p[1];
-  const double side = 1.0 + OFFSET_STEP / 2.0;
+  double side[2], middle[2];
+  for (int i = 0; i < 2; ++i) {
+    side[i] = (1.0 + PLAN_OFFSET_STEP / 2.0) * wider[i];
+    middle[i] = image_middle(offset[i], wider[i]);
+  }
   for (int i = 0; i < 4; ++i) {
-    const double x = (i == 0 || i == 3 ? -side : side) - round(offset[0] / OFFSET_STEP) * OFFSET_STEP;
-    const double y = (i < 2 ? -side : side) - round(offset[1] / OFFSET_STEP) * OFFSET_STEP;
+    const double x = middle[0] + (i == 0 || i == 3 ? -side[0] : side[0]);
+    const double y = middle[1] + (i < 2 ? -side[1] : side[1]);
     corners[i][0] = w * (p[5] * x - p[4] * y) / determinant;
     corners[i][1] = w * (p[0] * y - p[1] * x) / determinant;
     corners[i][2] = z;
@@ -104,9 +109,10 @@ static double stretched(double length) {
   return length * (1.0 + PLAN_RIGID_TOLERANCE / 2.0);
 }
 
-bool plan_slice_corners(double corners[8][3], const plan_camera *camera, double near, double far) {
-  face_corners(corners, camera, near);
-  face_corners(corners + 4, camera, far);
+bool plan_slice_corners(double corners[8][3], const plan_camera *camera, const double wider[2],
+                        const double depths[2]) {
+  face_corners(corners, camera, wider, depths[0]);
+  face_corners(corners + 4, camera, wider, depths[1]);
   return plan_within(corners[0], 24, PLAN_LARGEST);
 }
 

@@ -18,12 +18,12 @@ static void put(float *out, uint32_t index, double x, double y, double z, double
   out[index * 4 + 3] = plan_float(w);
 }
 
-/* The place of a map's lower left texel on the world's grid, which repeats after so many texels. */
+/* The place of a map's lower left texel on its grid, which repeats after so many texels. */
 static double grid_place(const plan_cascade *cascade) {
   const double period = 2048.0;
   double place[2];
   for (int i = 0; i < 2; ++i) {
-    const double texel = floor(cascade->origin_texels[i]);
+    const double texel = cascade->place_texels[i];
     place[i] = texel - floor(texel / period) * period;
   }
   return place[0] + 4096.0 * place[1];
@@ -189,7 +189,7 @@ uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const pl
   const double depth = look(forward, frame);
   put_pixels(out, frame, picture);
   put(out, CSM_M_SIZE, width, height, 1.0 / width, 1.0 / height);
-  put(out, CSM_M_CLEAR, picture->camera->reversed ? 0.0 : 1.0, picture->show, 0.0, 0.0);
+  put(out, CSM_M_CLEAR, plan_clear_depth(picture->camera), picture->show, 0.0, 0.0);
   put(out, CSM_M_DEPTH, plan_dot(forward, &frame->basis[0]), plan_dot(forward, &frame->basis[3]),
       plan_dot(forward, &frame->basis[6]), depth);
   return CSM_M_COUNT * 4 * sizeof(float);

@@ -34,6 +34,7 @@ typedef struct technique_set {
 typedef struct technique_picture {
   uint32_t width, height, show; /* show: CSM_SHOW_* */
   const plan_camera *camera;
+  const plan_camera *depth_camera; /* that the depth is of: the same, or csm's own, if the depth is */
   const plan_scene *scene;
   const plan_list *seen;     /* of the scene, by the camera; empty if the engine brings its depth */
   const void *engines_depth; /* csm_vulkan_image, csm_d3d12_image, or NULL; as in csm_mask_info */
@@ -67,6 +68,8 @@ typedef struct technique_image {
   gpu_format format;
   uint32_t width, height, layer;
   gpu_rect part;
+  const plan_camera *drawn_with; /* of camera depths: they are converted from its; NULL: read as they are */
+  const plan_camera *read_as;    /* to this one's, or, if NULL, to view depths */
 } technique_image;
 
 struct technique {

@@ -28,6 +28,7 @@ static int config_command(const host_options *options) {
 
 int main(int count, char **arguments) {
   host_options options;
+  setvbuf(stdout, NULL, _IOLBF, BUFSIZ); /* whoever interrupts it keeps every line that was told */
   const int code = options_parse(&options, count, arguments);
   if (code)
     return code;

@@ -1,5 +1,6 @@
 #include "app/run.h"
 #include "base/host.h"
+#include "base/interrupt.h"
 #include "picture/outside.h"
 #include "picture/picture.h"
 #include "scene/camera_json.h"
@@ -263,11 +264,15 @@ static int save_pictures(const run *r) {
   return code;
 }
 
+/* All of it or nothing, so that no file of one run lies beside another's. */
 static int dump_all(const run *r) {
+  interrupt_hold hold;
   int code = 0;
   host_progress("writing the dump");
+  interrupt_hold_begin(&hold);
   for (uint32_t i = 0; code == 0 && i < r->count; i++)
     code = dump_frame(r->options->dump, &r->stages[i], &r->frames[i], NULL);
+  interrupt_hold_end(&hold);
   host_progress("");
   return code;
 }

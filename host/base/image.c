@@ -1,6 +1,6 @@
 #include "base/image.h"
 #include "base/host.h"
-#include <errno.h>
+#include "base/output_file.h"
 #include <math.h>
 #include <spng.h>
 #include <stdio.h>
@@ -42,13 +42,14 @@ void image_mix(image *picture, uint32_t x, uint32_t y, const float linear[3], fl
 }
 
 int image_write_png(const image *picture, const char *path) {
-  FILE *file = fopen(path, "wb");
-  if (!file)
-    return host_fail(HOST_BAD_INPUT, "cannot write '%s': %s", path, strerror(errno));
+  output_file file;
+  const char *problem = output_file_open(&file, path);
+  if (problem)
+    return host_fail(HOST_BAD_INPUT, "cannot write '%s': %s", path, problem);
   spng_ctx *png = spng_ctx_new(SPNG_CTX_ENCODER);
   struct spng_ihdr header = {
       .width = picture->width, .height = picture->height, .bit_depth = 8, .color_type = SPNG_COLOR_TYPE_TRUECOLOR};
-  int error = png ? spng_set_png_file(png, file) : SPNG_EMEM;
+  int error = png ? spng_set_png_file(png, file.stream) : SPNG_EMEM;
   if (!error)
     error = spng_set_ihdr(png, &header);
   if (!error)
@@ -59,9 +60,8 @@ int image_write_png(const image *picture, const char *path) {
     error = spng_encode_image(png, picture->pixels, (size_t)picture->width * picture->height * 3, SPNG_FMT_PNG,
                               SPNG_ENCODE_FINALIZE);
   spng_ctx_free(png);
-  if (fclose(file) != 0 || error)
-    return host_fail(HOST_BAD_INPUT, "cannot write '%s': %s", path, error ? spng_strerror(error) : strerror(errno));
-  return 0;
+  problem = output_file_close(&file, error ? spng_strerror(error) : NULL);
+  return problem ? host_fail(HOST_BAD_INPUT, "cannot write '%s': %s", path, problem) : 0;
 }
 
 static void mean_of_pixels(const uint8_t *rgba, size_t count, float mean[3]) {

@@ -2,10 +2,17 @@
 #include "base/host.h"
 #include <string.h>
 
+/* clang-format off */
 const hard_case *const hard_cases[] = {
     &hard_bare_plane,
+    &hard_offsets,
+    &hard_far_vertices,
+    &hard_turned,
+    &hard_formats,
+    &hard_borders,
     NULL,
 };
+/* clang-format on */
 
 const hard_case *hard_case_find(const char *name) {
   char names[1024] = "";

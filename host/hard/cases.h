@@ -5,6 +5,11 @@
 #include "hard/hard.h"
 
 extern const hard_case hard_bare_plane;
+extern const hard_case hard_offsets;
+extern const hard_case hard_far_vertices;
+extern const hard_case hard_turned;
+extern const hard_case hard_formats;
+extern const hard_case hard_borders;
 
 /* In the order of the table; NULL ends it. */
 extern const hard_case *const hard_cases[];

@@ -50,7 +50,7 @@ int hard_restart(hard_run *run, const csm_config *config) {
 
 void hard_picture_free(hard_picture *picture) {
   free(picture->mask);
-  free(picture->camera_depth);
+  free(picture->view_depth);
   free(picture->cascades);
   *picture = (hard_picture){0};
 }
@@ -61,7 +61,7 @@ static void picture_make(hard_picture *out, const host_setup *setup, uint32_t wa
   *out =
       (hard_picture){.width = setup->width, .height = setup->height, .mask = host_allocate(pixels, sizeof *out->mask)};
   if (wanted & HARD_DEPTH)
-    out->camera_depth = host_allocate(pixels, sizeof *out->camera_depth);
+    out->view_depth = host_allocate(pixels, sizeof *out->view_depth);
   if (wanted & HARD_CASCADES)
     out->cascades = host_allocate(pixels, sizeof *out->cascades);
 }
@@ -81,7 +81,7 @@ int hard_resolve(hard_run *run, const camera *from, uint32_t wanted, hard_pictur
   for (uint32_t i = 0; code == 0 && i < run->stage_count; i++) {
     hard_picture *picture = i == 0 ? out : &other;
     picture_make(picture, run->setup, wanted);
-    code = stage_mask(&run->stages[i], from, picture->mask, picture->camera_depth, picture->cascades);
+    code = stage_mask(&run->stages[i], from, picture->mask, picture->view_depth, picture->cascades);
     if (code == 0 && i > 0)
       compare_backends(run, out, picture);
   }
@@ -108,6 +108,10 @@ int hard_draw_engine(hard_run *run, const hard_inputs *inputs, const camera *fro
     code = hard_engine_open(engine, run->setup, run->options, inputs->engine_buffers);
   picture_make(out, run->setup, 0);
   return code ? code : hard_engine_draw(*engine, inputs, from, light, out->mask);
+}
+
+int hard_map_engine(hard_run *run, const hard_inputs *inputs, uint32_t cascade, float **out, uint32_t *side) {
+  return hard_engine_map(run->engines[inputs->engine_buffers], cascade, out, side);
 }
 
 int hard_bind(hard_run *run, csm_binding *binding) {

@@ -270,3 +270,32 @@ int hard_engine_draw(hard_engine *e, const hard_inputs *inputs, const camera *fr
     mask[i] = ((const uint8_t *)e->mask.mapped)[i] / 255.0f;
   return code;
 }
+
+int hard_engine_map(hard_engine *e, uint32_t cascade, float **out, uint32_t *side) {
+  csm_binding binding = {.struct_size = sizeof binding};
+  vulkan_buffer texels = {0};
+  if (csm_bind(e->stage.cascades, &binding))
+    return host_fail(HOST_BAD_INPUT, "an engine's maps: %s", csm_last_error(e->stage.context));
+  *side = binding.resolutions[cascade];
+  const size_t size = (size_t)*side * *side * sizeof(float);
+  const VkImage image = (VkImage)binding.native_maps;
+  const VkBufferImageCopy region = {
+      .imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_DEPTH_BIT, .baseArrayLayer = cascade, .layerCount = 1},
+      .imageExtent = {*side, *side, 1},
+  };
+  VkResult result = vulkan_buffer_open(&texels, &e->vulkan, size, VK_BUFFER_USAGE_TRANSFER_DST_BIT);
+  if (!result)
+    result = vulkan_commands_begin(&e->commands);
+  if (!result) {
+    vulkan_transition(e->commands.buffer, image, VK_IMAGE_ASPECT_DEPTH_BIT, sampled, copied);
+    vkCmdCopyImageToBuffer(e->commands.buffer, image, copied.layout, texels.buffer, 1, &region);
+    vulkan_transition(e->commands.buffer, image, VK_IMAGE_ASPECT_DEPTH_BIT, copied, sampled);
+    result = vulkan_commands_finish(&e->commands);
+  }
+  if (!result) {
+    *out = host_allocate(size, 1);
+    memcpy(*out, texels.mapped, size);
+  }
+  vulkan_buffer_close(&texels, &e->vulkan);
+  return refuse(result);
+}

@@ -97,6 +97,11 @@ void hard_setup_begin(host_setup *out, uint32_t width, uint32_t height);
 void hard_add(host_setup *setup, mesh_builder *b, const char *name, const double position[3]);
 /* A level square that looks up, `half` metres to each side of a point, in cells * cells * 2 triangles. */
 void hard_ground(mesh_builder *b, const double center[3], double half, uint32_t cells);
+/*
+ * A yard of 60 m with boxes, posts, a wall and, if they are wanted, balls; a camera at eye level and shadows to 60 m.
+ * All places are multiples of 1/8 m, and so are all vertices but those of balls.
+ */
+void hard_yard(host_setup *setup, bool balls);
 /* Places the camera: reversed, near 0.1 m, without a far plane. Whoever wants another one sets setup->camera. */
 void hard_look(host_setup *setup, const double from[3], const double at[3], double vertical_fov_deg);
 /* View depth to which there are shadows, of the configuration and of the truth. */
@@ -122,14 +127,14 @@ int hard_configure(hard_run *run, const csm_config *config);
 int hard_restart(hard_run *run, const csm_config *config);
 
 enum {
-  HARD_DEPTH = 1u << 0,   /* the camera's depth, too */
+  HARD_DEPTH = 1u << 0,   /* view depth, too */
   HARD_CASCADES = 1u << 1 /* and which cascade each pixel takes, as CSM_SHOW_CASCADE has it */
 };
 
 /* What was drawn, top row first. */
 typedef struct hard_picture {
   uint32_t width, height;
-  float *mask, *camera_depth, *cascades;
+  float *mask, *view_depth, *cascades; /* view_depth: in metres; INFINITY where nothing is */
 } hard_picture;
 
 /*
@@ -160,6 +165,8 @@ bool hard_has_engine(const hard_run *run);
 /* As hard_draw, on an engine's device, with history of its own. */
 int hard_draw_engine(hard_run *run, const hard_inputs *inputs, const camera *from, const scene_light *light,
                      hard_picture *out);
+/* As hard_map, of the last hard_draw_engine with such inputs. Precondition: D32, an array of maps. */
+int hard_map_engine(hard_run *run, const hard_inputs *inputs, uint32_t cascade, float **out, uint32_t *side);
 
 /* ---- truth ---- */
 

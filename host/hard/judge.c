@@ -229,7 +229,7 @@ int hard_measure(metrics *out, const hard_truth *truth, const hard_picture *draw
                                .shadow_distance = truth->shadow_distance,
                                .visibility = truth->visibility,
                                .mask = drawn->mask,
-                               .camera_depth = drawn->camera_depth};
+                               .view_depth = drawn->view_depth};
   const int code = metrics_measure(out, &frame, kinds);
   free(kinds);
   return code;

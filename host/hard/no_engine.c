@@ -24,6 +24,14 @@ stage *hard_engine_stage(hard_engine *engine) {
   return NULL;
 }
 
+int hard_engine_map(hard_engine *engine, uint32_t cascade, float **out, uint32_t *side) {
+  (void)engine;
+  (void)cascade;
+  (void)out;
+  (void)side;
+  return HOST_NO_DEVICE;
+}
+
 int hard_engine_draw(hard_engine *engine, const hard_inputs *inputs, const camera *from, const scene_light *light,
                      float *mask) {
   (void)engine;

@@ -40,6 +40,31 @@ void hard_look(host_setup *setup, const double from[3], const double at[3], doub
   camera_from_pose(&setup->camera, pose, (double)setup->width / setup->height);
 }
 
+void hard_yard(host_setup *setup, bool with_balls) {
+  static const double boxes[][6] = {
+      {-3, 0, -6, -1, 2.5, -4},       {2, 0, -9, 5, 4, -7},        {-9, 0, -14, -6, 6, -11},
+      {1, 0, -17, 4, 1.5, -14},       {9, 0, -22, 14, 9, -17},     {-16, 0, -27, -11, 5, -24},
+      {-5, 0, -33, 5, 3, -32.5},      {16, 0, -40, 19, 12, -37},   {-24, 0, -42, -18, 7, -38},
+      {0.5, 0, -3.5, 0.75, 2, -3.25}, {7, 0, -12, 7.25, 5, -11.75}};
+  static const double balls[][4] = {{4, 1, -5, 1}, {-6, 1.5, -9, 1.5}, {12, 2, -30, 2}, {-1, 4, -20, 1}};
+  mesh_builder b = {0};
+  hard_ground(&b, (const double[3]){0.0, 0.0, -24.0}, 30.0, 4);
+  hard_add(setup, &b, "ground", NULL);
+  for (size_t i = 0; i < sizeof boxes / sizeof boxes[0]; i++) {
+    const double *box = boxes[i];
+    builder_box(&b, (const double[3]){0.0, 0.0, 0.0},
+                (const double[3]){box[3] - box[0], box[4] - box[1], box[5] - box[2]});
+    hard_add(setup, &b, "box", box);
+  }
+  for (size_t i = 0; with_balls && i < sizeof balls / sizeof balls[0]; i++) {
+    const double radius = balls[i][3];
+    builder_ball(&b, (const double[3]){0.0, 0.0, 0.0}, (const double[3]){radius, radius, radius}, 3, 0.0, 1);
+    hard_add(setup, &b, "ball", balls[i]);
+  }
+  hard_look(setup, (const double[3]){0.0, 2.5, 2.0}, (const double[3]){1.0, 1.5, -10.0}, 60.0);
+  hard_reach(setup, 60.0);
+}
+
 void hard_reach(host_setup *setup, double meters) {
   setup->shadow_distance = setup->scene.shadow_distance = setup->config.shadow_distance = meters;
 }

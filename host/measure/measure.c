@@ -1,5 +1,6 @@
 #include "measure/measure.h"
 #include "base/host.h"
+#include "base/interrupt.h"
 #include "measure/error_picture.h"
 #include "measure/path.h"
 #include "measure/truth_frame.h"
@@ -201,14 +202,18 @@ static int save_pictures(const measurement *m) {
   return code;
 }
 
+/* All of it or nothing, so that no file of one run lies beside another's. */
 static int dump_all(const measurement *m) {
+  interrupt_hold hold;
   int code = 0;
   host_progress("writing the dump");
+  interrupt_hold_begin(&hold);
   for (uint32_t i = 0; code == 0 && i < m->count; i++) {
     json_t *numbers = metrics_to_json(&m->metrics[i]);
     code = dump_frame(m->options->dump, &m->stages[i], &m->frames[i], numbers);
     json_decref(numbers);
   }
+  interrupt_hold_end(&hold);
   host_progress("");
   return code;
 }

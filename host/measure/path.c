@@ -98,7 +98,7 @@ typedef struct walk {
   uint32_t sun_samples;
   path_result *results;
   path_frame frames[2]; /* in turn */
-  float *camera_depth;  /* scratch, one picture each */
+  float *view_depth;    /* scratch, one picture each */
   float *later_mask, *later_cascades, *later_visibility;
   uint8_t *seen;
 } walk;
@@ -121,7 +121,7 @@ static void allocate_frames(walk *w) {
       frame->kinds[b] = host_allocate(pixels, sizeof *frame->kinds[b]);
     }
   }
-  w->camera_depth = host_allocate(pixels, sizeof *w->camera_depth);
+  w->view_depth = host_allocate(pixels, sizeof *w->view_depth);
   w->later_mask = host_allocate(pixels, sizeof *w->later_mask);
   w->later_cascades = host_allocate(pixels, sizeof *w->later_cascades);
   w->later_visibility = host_allocate(pixels, sizeof *w->later_visibility);
@@ -138,7 +138,7 @@ static void free_frames(walk *w) {
       free(w->frames[f].kinds[b]);
     }
   }
-  free(w->camera_depth);
+  free(w->view_depth);
   free(w->later_mask);
   free(w->later_cascades);
   free(w->later_visibility);
@@ -197,7 +197,7 @@ static int draw_frame(walk *w, uint32_t index, uint32_t b, path_frame *frame, co
   if (code == 0 && before)
     code = compare_with(w, index, b, before);
   if (code == 0)
-    code = stage_mask(&w->stages[b], from, frame->masks[b], w->camera_depth, frame->cascades[b]);
+    code = stage_mask(&w->stages[b], from, frame->masks[b], w->view_depth, frame->cascades[b]);
   if (code)
     return code;
   const metrics_frame drawn = {.view = &frame->view,
@@ -205,7 +205,7 @@ static int draw_frame(walk *w, uint32_t index, uint32_t b, path_frame *frame, co
                                .shadow_distance = w->stages[b].setup->shadow_distance,
                                .visibility = frame->visibility,
                                .mask = frame->masks[b],
-                               .camera_depth = w->camera_depth};
+                               .view_depth = w->view_depth};
   return metrics_measure(&w->results[b].frames[index], &drawn, frame->kinds[b]);
 }
 

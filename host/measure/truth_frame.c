@@ -37,5 +37,5 @@ metrics_frame truth_frame_against(const truth_frame *truth, const host_setup *se
                          .shadow_distance = setup->shadow_distance,
                          .visibility = truth->visibility,
                          .mask = drawn->mask,
-                         .camera_depth = drawn->camera_depth};
+                         .view_depth = drawn->view_depth};
 }

@@ -7,6 +7,7 @@
 #include <stdio.h>
 
 #define METRICS_EDGE_CAP_PX 16.0
+#define METRICS_DEPTH_SHARE 0.01
 #define METRICS_GRAZING_COSINE 0.02 /* up to which the light grazes a surface */
 
 /* What a pixel is, in the order of drawing it over what lies below. */
@@ -38,15 +39,16 @@ typedef struct metrics {
 typedef struct metrics_frame {
   const truth_view *view;
   const scene_light *light;
-  double shadow_distance;    /* the scene's */
-  const float *visibility;   /* true: truth_visibility up to that distance */
-  const float *mask;         /* drawn */
-  const float *camera_depth; /* what the depth buffer holds */
+  double shadow_distance;  /* the scene's */
+  const float *visibility; /* true: truth_visibility up to that distance */
+  const float *mask;       /* drawn */
+  const float *view_depth; /* drawn, in metres; INFINITY where no surface was */
 } metrics_frame;
 
 /*
- * Measures a frame, and fills `kinds`, one for each pixel: the set S is those from METRICS_RIGHT on. 0, or
- * HOST_BAD_INPUT after a message that says why nothing can be measured.
+ * Measures a frame, and fills `kinds`, one for each pixel: the set S is those from METRICS_RIGHT on. 0; HOST_BAD_INPUT
+ * after a message that says why nothing can be measured; HOST_DIFFER after one that the drawn depth is another than the
+ * true one in more than METRICS_DEPTH_SHARE of the pixels that the light reaches: S would leave out the worst of them.
  */
 int metrics_measure(metrics *out, const metrics_frame *frame, uint8_t *kinds);
 
@@ -59,9 +61,6 @@ void metrics_print(FILE *to, const metrics *all, const char *const *names, uint3
 json_t *metrics_to_json(const metrics *m);
 
 /* ---- parts ---- */
-
-/* View depth that a camera's depth buffer means at a pixel; NAN where it means none. */
-double metrics_view_depth(const camera_rays *rays, const camera *from, uint32_t column, uint32_t row, float depth);
 
 /* The fixed reference that acne and leak are measured with: four slices, each covered by 2048 texels. */
 typedef struct metrics_reference {

@@ -1,12 +1,11 @@
 #include "report/page.h"
 #include "base/host.h"
+#include "base/output_file.h"
 #include "report/report_template.h"
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define PATH_SIZE 4096
 
 /*
  * Nothing inside a script element may look like its end, so "<", which JSON has in texts alone, is written as an
@@ -39,19 +38,16 @@ static int write_json(FILE *file, const json_t *data) {
 }
 
 static int write_file(const char *folder, const char *name, int (*write)(FILE *, const json_t *), const json_t *data) {
-  char path[PATH_SIZE], partial[PATH_SIZE + 16];
+  char path[OUTPUT_PATH_SIZE];
+  output_file file;
   if ((size_t)snprintf(path, sizeof path, "%s/%s", folder, name) >= sizeof path)
     return host_fail(HOST_BAD_INPUT, "--out: the folder's name is too long");
-  snprintf(partial, sizeof partial, "%s.part", path);
-  FILE *file = fopen(partial, "wb");
-  if (!file)
-    return host_fail(HOST_BAD_INPUT, "--out: cannot write '%s': %s", path, strerror(errno));
-  const int failed = write(file, data);
-  if (fclose(file) != 0 || failed || rename(partial, path) != 0) {
-    remove(partial);
-    return host_fail(HOST_BAD_INPUT, "--out: cannot write '%s': %s", path, strerror(errno));
+  const char *problem = output_file_open(&file, path);
+  if (!problem) {
+    const int failed = write(file.stream, data);
+    problem = output_file_close(&file, failed ? strerror(errno) : NULL);
   }
-  return 0;
+  return problem ? host_fail(HOST_BAD_INPUT, "--out: cannot write '%s': %s", path, problem) : 0;
 }
 
 int report_page_write(const char *folder, const json_t *data) {

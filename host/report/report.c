@@ -1,5 +1,6 @@
 #include "report/report.h"
 #include "base/host.h"
+#include "base/interrupt.h"
 #include "report/machine.h"
 #include "report/one_scene.h"
 #include "report/page.h"
@@ -108,9 +109,12 @@ static json_t *with_scenes(const report *r, json_t *scenes) {
 /* After each scene, so that what is done is there whatever comes. */
 static int write_all(const report *r) {
   json_t *page = with_scenes(r, r->page), *full = with_scenes(r, r->full);
+  interrupt_hold hold;
+  interrupt_hold_begin(&hold);
   int code = report_page_write(r->options->out, page);
   if (code == 0)
     code = report_json_write(r->options->out, full);
+  interrupt_hold_end(&hold);
   json_decref(page);
   json_decref(full);
   return code;

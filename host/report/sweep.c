@@ -126,7 +126,7 @@ static int measure_point(report_point *point, const report_studio *studio) {
     if (code)
       break;
     const bool same = b > 0 && memcmp(frames[0].mask, frames[b].mask, pixels * sizeof(float)) == 0 &&
-                      memcmp(frames[0].camera_depth, frames[b].camera_depth, pixels * sizeof(float)) == 0;
+                      memcmp(frames[0].view_depth, frames[b].view_depth, pixels * sizeof(float)) == 0;
     const metrics_frame frame = truth_frame_against(studio->truth, studio->setup, &frames[b]);
     if (same)
       point->metrics[b] = point->metrics[0];

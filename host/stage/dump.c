@@ -1,9 +1,9 @@
 #include "stage/dump.h"
 #include "base/host.h"
 #include "base/linear.h"
+#include "base/output_file.h"
 #include "scene/camera_json.h"
 #include "setup/config_json.h"
-#include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,30 +11,28 @@
 #define PATH_SIZE 4096
 #define WRITE_BUFFER (1u << 20)
 
-static FILE *open_for_writing(const char *path) {
-  FILE *file = fopen(path, "wb");
-  if (!file)
-    host_fail(HOST_BAD_INPUT, "cannot write '%s': %s", path, strerror(errno));
-  else
-    setvbuf(file, NULL, _IOFBF, WRITE_BUFFER);
-  return file;
-}
-
-static int finish_writing(FILE *file, const char *path) {
-  const bool failed = ferror(file) != 0;
-  if (fclose(file) != 0 || failed)
-    return host_fail(HOST_BAD_INPUT, "cannot write '%s': %s", path, strerror(errno));
+/* Many small writes, so with a large buffer. */
+static int open_for_writing(output_file *out, const char *path) {
+  const char *problem = output_file_open(out, path);
+  if (problem)
+    return host_fail(HOST_BAD_INPUT, "cannot write '%s': %s", path, problem);
+  setvbuf(out->stream, NULL, _IOFBF, WRITE_BUFFER);
   return 0;
 }
 
+static int finish_writing(output_file *file, const char *path) {
+  const char *problem = output_file_close(file, NULL);
+  return problem ? host_fail(HOST_BAD_INPUT, "cannot write '%s': %s", path, problem) : 0;
+}
+
 int dump_pfm(const float *values, uint32_t width, uint32_t height, const char *path) {
-  FILE *file = open_for_writing(path);
-  if (!file)
+  output_file file;
+  if (open_for_writing(&file, path))
     return HOST_BAD_INPUT;
-  fprintf(file, "Pf\n%u %u\n-1.0\n", width, height);
+  fprintf(file.stream, "Pf\n%u %u\n-1.0\n", width, height);
   for (uint32_t row = height; row-- > 0;)
-    fwrite(values + (size_t)row * width, sizeof *values, width, file);
-  return finish_writing(file, path);
+    fwrite(values + (size_t)row * width, sizeof *values, width, file.stream);
+  return finish_writing(&file, path);
 }
 
 /* ---- scene.ply ---- */
@@ -66,23 +64,23 @@ int dump_ply(const scene *s, const char *path) {
     vertices += s->meshes[s->instances[i].mesh].vertex_count;
   if (vertices > INT32_MAX)
     return host_fail(HOST_BAD_INPUT, "the scene has %" PRIu64 " vertices, more than a PLY file can index", vertices);
-  FILE *file = open_for_writing(path);
-  if (!file)
+  output_file file;
+  if (open_for_writing(&file, path))
     return HOST_BAD_INPUT;
-  fprintf(file,
+  fprintf(file.stream,
           "ply\nformat binary_little_endian 1.0\nelement vertex %" PRIu64
           "\nproperty double x\nproperty double y\nproperty double z\nelement face %" PRIu64
           "\nproperty list uchar int vertex_indices\nproperty uchar alpha_tested\nend_header\n",
           vertices, scene_triangles(s));
   for (size_t i = 0; i < s->instance_count; i++)
-    write_vertices(file, &s->meshes[s->instances[i].mesh], s->instances[i].transform);
+    write_vertices(file.stream, &s->meshes[s->instances[i].mesh], s->instances[i].transform);
   uint32_t base = 0;
   for (size_t i = 0; i < s->instance_count; i++) {
     const scene_mesh *mesh = &s->meshes[s->instances[i].mesh];
-    write_faces(file, mesh, base, scene_cut_out(s, mesh) != NULL);
+    write_faces(file.stream, mesh, base, scene_cut_out(s, mesh) != NULL);
     base += mesh->vertex_count;
   }
-  return finish_writing(file, path);
+  return finish_writing(&file, path);
 }
 
 /* ---- frame.json ---- */
@@ -115,14 +113,14 @@ static json_t *frame_to_json(const stage *s, const csm_binding *binding, json_t 
 }
 
 static int write_frame_json(const stage *s, const csm_binding *binding, json_t *metrics, const char *path) {
-  FILE *file = open_for_writing(path);
-  if (!file)
+  output_file file;
+  if (open_for_writing(&file, path))
     return HOST_BAD_INPUT;
   json_t *object = frame_to_json(s, binding, metrics);
-  json_dumpf(object, file, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
+  json_dumpf(object, file.stream, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
   json_decref(object);
-  fputc('\n', file);
-  return finish_writing(file, path);
+  fputc('\n', file.stream);
+  return finish_writing(&file, path);
 }
 
 int dump_frame(const char *folder, const stage *s, const stage_frame *frame, json_t *metrics) {

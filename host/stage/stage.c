@@ -261,6 +261,8 @@ int stage_read(stage *s, bool maps, stage_frame *out) {
     code = read_back(s, CSM_READ_MASK, 0, pixels, &out->mask);
   if (code == 0)
     code = read_back(s, CSM_READ_CAMERA_DEPTH, 0, pixels, &out->camera_depth);
+  if (code == 0)
+    code = read_back(s, CSM_READ_VIEW_DEPTH, 0, pixels, &out->view_depth);
   return code;
 }
 
@@ -299,15 +301,15 @@ int stage_draw_from(stage *s, const camera *from, const scene_light *light) {
   return exit_code(csm_render_cascades(s->cascades, &s->frame));
 }
 
-int stage_mask(stage *s, const camera *from, float *mask, float *camera_depth, float *cascades) {
+int stage_mask(stage *s, const camera *from, float *mask, float *view_depth, float *cascades) {
   const size_t pixels = (size_t)s->setup->width * s->setup->height;
   s->frame.flags = 0;
   stage_look(s, from);
   int code = exit_code(resolve(s, CSM_SHOW_VISIBILITY));
   if (code == 0)
     code = read_into(s, CSM_READ_MASK, 0, pixels, mask);
-  if (code == 0 && camera_depth)
-    code = read_into(s, CSM_READ_CAMERA_DEPTH, 0, pixels, camera_depth);
+  if (code == 0 && view_depth)
+    code = read_into(s, CSM_READ_VIEW_DEPTH, 0, pixels, view_depth);
   if (code == 0 && cascades)
     code = exit_code(resolve(s, CSM_SHOW_CASCADE));
   if (code == 0 && cascades)
@@ -320,6 +322,7 @@ void stage_frame_free(stage_frame *frame) {
     free(frame->maps[k]);
   free(frame->mask);
   free(frame->camera_depth);
+  free(frame->view_depth);
   for (uint32_t i = 0; i < STAGE_VIEWS; i++)
     free(frame->views[i]);
   free(frame->casters);

@@ -36,6 +36,7 @@ typedef struct stage_frame {
   stage_stats stats;
   float *maps[CSM_MAX_CASCADES]; /* stage_map_texels each, top row first */
   float *mask, *camera_depth;    /* width * height, top row first */
+  float *view_depth;             /* likewise, in metres; INFINITY where nothing is */
   float *views[STAGE_VIEWS];     /* likewise; NULL: not asked for */
   uint8_t *casters;              /* by instance, as csm_get_casters tells; with the views */
 } stage_frame;
@@ -89,10 +90,10 @@ int stage_read_views(stage *s, stage_frame *out);
 int stage_draw_from(stage *s, const camera *from, const scene_light *light);
 /*
  * Resolves the mask of what a camera sees, and reads it back. The maps are those that were drawn last, maybe for
- * another camera. camera_depth and cascades, which gets CSM_SHOW_CASCADE, may be NULL. All hold width * height pixels.
+ * another camera. view_depth, in metres, and cascades, which gets CSM_SHOW_CASCADE, may be NULL. All hold width * height pixels.
  * 0, or a code after a message.
  */
-int stage_mask(stage *s, const camera *from, float *mask, float *camera_depth, float *cascades);
+int stage_mask(stage *s, const camera *from, float *mask, float *view_depth, float *cascades);
 
 /*
  * Draws the cascades and the mask with timestamps, after a frame that warms up; GPU times are the medians of three.

@@ -1,5 +1,6 @@
 #include "truth/store.h"
 #include "base/host.h"
+#include "base/output_file.h"
 #include <errno.h>
 #include <inttypes.h>
 #include <stdio.h>
@@ -101,20 +102,17 @@ static bool load(truth_store *store, uint64_t key, void *data, size_t size) {
   return whole;
 }
 
-/* Under another name first, so that no one finds half a file. What cannot be kept is cast again. */
+/* What cannot be kept is cast again. */
 static void keep(truth_store *store, uint64_t key, const void *data, size_t size) {
-  char path[5000], partial[5050];
-  if (!file_name(path, store, key))
-    return;
-  snprintf(partial, sizeof partial, "%s.%ld", path, (long)getpid());
-  FILE *file = fopen(partial, "wb");
-  if (!file)
+  char path[5000];
+  output_file file;
+  if (!file_name(path, store, key) || output_file_open(&file, path))
     return;
   file_header header = {.key = key, .size = size, .check = hash_bytes(HASH_START, data, size)};
   memcpy(header.magic, magic, sizeof magic);
-  const bool whole = fwrite(&header, sizeof header, 1, file) == 1 && fwrite(data, 1, size, file) == size;
-  if (fclose(file) != 0 || !whole || rename(partial, path) != 0)
-    remove(partial);
+  fwrite(&header, sizeof header, 1, file.stream);
+  fwrite(data, 1, size, file.stream);
+  output_file_close(&file, NULL);
 }
 
 /* ---- store ---- */

@@ -144,6 +144,93 @@ static void a_perspective_knows_which_way_depth_runs(void **state) {
   teardown(&f);
 }
 
+/* ---- depth of csm's own ---- */
+
+/* A perspective with its planes at n and f, which may be INFINITY. */
+static void set_planes(double projection[16], double n, double f, bool reversed) {
+  const double toward = isinf(f) ? 0 : n / (f - n); /* reversed z over w: -toward + (1 + toward) n / depth */
+  projection[10] = reversed ? toward : -1 - toward;
+  projection[14] = reversed ? n + n * toward : -n - n * toward;
+}
+
+/*
+ * A near plane at 1 mm: by the frame's projection, not reversed, floats tell 10 m from 10.006 m, but not from 10.005 m,
+ * and every plane is black. What csm draws itself knows better, and gives the same mask as with any other projection.
+ */
+static void its_own_depth_is_good_for_every_projection(void **state) {
+  (void)state;
+  static const double fars[] = {INFINITY, 1e4, 100};
+  fixture f;
+  support_scene scene;
+  const csm_config config = support_config();
+  setup(&f, &config);
+  support_scene_make(&scene, f.context);
+  set_planes(scene.shot.camera.projection, 1e-3, INFINITY, true);
+  outcome right = outcome_draw(f.context, f.cascades, f.view, &scene.shot);
+  float *meters = support_image(f.context, f.view, CSM_READ_VIEW_DEPTH, WIDTH, HEIGHT);
+  for (int i = 0; i < 3 * 2; ++i) {
+    const double far = fars[i / 2], n = 1e-3;
+    const bool reversed = i % 2;
+    shot shot = scene.shot;
+    set_planes(shot.camera.projection, n, far, reversed);
+    outcome drawn = outcome_draw(f.context, f.cascades, f.view, &shot);
+    float *depth = support_image(f.context, f.view, CSM_READ_VIEW_DEPTH, WIDTH, HEIGHT);
+    uint32_t differ = 0;
+    for (int p = 0; p < PIXELS; ++p) {
+      /* The pre-pass rounds the far plane's share of each depth otherwise; silhouettes stay where they are */
+      differ += drawn.mask[p] != right.mask[p];
+      assert_true(isinf(depth[p]) == isinf(meters[p]));
+      if (isinf(depth[p])) {
+        assert_true(drawn.depth[p] == (reversed ? 0.0f : 1.0f));
+        continue;
+      }
+      assert_true(fabs(depth[p] - meters[p]) <= 1e-5 * meters[p]);
+      const double from_far = isinf(far) ? n / depth[p] : n * (far - depth[p]) / (depth[p] * (far - n));
+      assert_true(fabs(drawn.depth[p] - (reversed ? from_far : 1 - from_far)) <= 0x1p-24 + 2e-6 * from_far);
+    }
+    if (differ > PIXELS / 1000)
+      fail_msg("far %g, reversed %d: %u pixels differ", far, reversed, differ);
+    free(depth);
+    outcome_free(&drawn);
+  }
+  free(meters);
+  outcome_free(&right);
+  teardown(&f);
+}
+
+/* An orthographic camera's planes may lie 2000 km apart, of which a float's 2^-24 is 12 cm: the mask is the same as that
+   of planes that lie close. */
+static void its_own_depth_is_good_between_far_planes(void **state) {
+  (void)state;
+  fixture f;
+  csm_config config = support_config();
+  config.shadow_distance = 60;
+  setup(&f, &config);
+  const csm_instance instances[2] = {support_instance(f.box, 0, -1, 0, 40, 1, 40),
+                                     support_instance(f.box, 0, 2, 0, 1, 2, 1)};
+  shot near = look_down(instances, -50, 51, true), far = look_down(instances, -1e6, 1e6, false);
+  near.camera.reversed = CSM_REVERSED_YES;
+  far.camera.reversed = CSM_REVERSED_NO;
+  assert_int_equal(csm_render_cascades(f.cascades, shot_frame(&near)), CSM_SUCCESS);
+  assert_int_equal(shot_resolve(&near, f.view, f.cascades, WIDTH, HEIGHT), CSM_SUCCESS);
+  float *masks[2], *depths[2];
+  masks[0] = support_image(f.context, f.view, CSM_READ_MASK, WIDTH, HEIGHT);
+  depths[0] = support_image(f.context, f.view, CSM_READ_VIEW_DEPTH, WIDTH, HEIGHT);
+  assert_int_equal(shot_resolve(&far, f.view, f.cascades, WIDTH, HEIGHT), CSM_SUCCESS);
+  masks[1] = support_image(f.context, f.view, CSM_READ_MASK, WIDTH, HEIGHT);
+  depths[1] = support_image(f.context, f.view, CSM_READ_VIEW_DEPTH, WIDTH, HEIGHT);
+  for (int p = 0; p < PIXELS; ++p) {
+    assert_true(masks[0][p] == masks[1][p]);
+    assert_true(fabs(depths[0][p] - (fabs(depths[0][p] - 16) < 1 ? 16 : 20)) < 1e-4);
+    assert_true(fabs(depths[0][p] - depths[1][p]) < 1e-4);
+  }
+  for (int i = 0; i < 2; ++i) {
+    free(masks[i]);
+    free(depths[i]);
+  }
+  teardown(&f);
+}
+
 /* ---- a near plane past the shadows ---- */
 
 static void past_the_shadows_all_is_lit(void **state) {
@@ -299,6 +386,8 @@ int main(int argc, char **argv) {
       cmocka_unit_test(planes_may_lie_behind_the_eye),
       cmocka_unit_test(what_a_matrix_leaves_open_must_be_said),
       cmocka_unit_test(a_perspective_knows_which_way_depth_runs),
+      cmocka_unit_test(its_own_depth_is_good_for_every_projection),
+      cmocka_unit_test(its_own_depth_is_good_between_far_planes),
       cmocka_unit_test(past_the_shadows_all_is_lit),
       cmocka_unit_test(an_origin_may_be_given),
       cmocka_unit_test(far_from_the_worlds_origin_all_is_the_same),

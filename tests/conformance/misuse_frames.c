@@ -259,7 +259,7 @@ static void reading(void **state) {
   static float data[RESOLUTION * RESOLUTION];
   static const misuse rows[] = {
       {"no size", READ(struct_size), {0}, CSM_ERROR_STRUCT_SIZE, "csm_read_info"},
-      {"no such source", READ(source), {3}, CSM_ERROR_INVALID_VALUE, "source"},
+      {"no such source", READ(source), {CSM_READ_VIEW_DEPTH + 1}, CSM_ERROR_INVALID_VALUE, "source"},
       {"no such cascade", READ(cascade), {3}, CSM_ERROR_INVALID_INDEX, "cascade"},
       {"no cascades", READ(cascades), {0}, CSM_ERROR_NULL_POINTER, "cascades"},
       {"nowhere to read to", READ(data), {0}, CSM_ERROR_NULL_POINTER, "data"},
@@ -276,7 +276,7 @@ static void reading(void **state) {
   expect(&f, csm_read(f.context, NULL), CSM_ERROR_NULL_POINTER, "no read info");
   check_rows(&f, &(row_table){rows, COUNT(rows), &read, sizeof read}, read_texels);
   read.view = f.view;
-  for (read.source = CSM_READ_MASK; read.source <= CSM_READ_CAMERA_DEPTH; ++read.source)
+  for (read.source = CSM_READ_MASK; read.source <= CSM_READ_VIEW_DEPTH; ++read.source)
     expect(&f, csm_read(f.context, &read), CSM_ERROR_INVALID_STATE, "a mask that was never resolved");
   unchanged(&f, &before);
   teardown(&f);

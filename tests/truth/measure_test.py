@@ -60,6 +60,17 @@ json.dump([{'direction': [0.5, -0.8, 0.3]}, {'direction': [0.6, -0.8, 0.3], 'dis
 lights = run(*common, *camera, '--light-path', at('lights.json'))['backends'][0]['metrics']
 assert 0 <= lights['flicker'] < 0.1 and lights['flicker_points'] > 10000
 
+# Two places 10,000 km apart in one mesh are more than shaders' floats tell: what is drawn lies elsewhere, and there are no
+# figures that leave it out, of one frame or along a path.
+apart = write_gltf(at('apart.gltf'), ground + [(x - 1e7, y, z) for x, y, z in ground])
+moved = json.load(open(apart))
+moved['nodes'] = [{'mesh': 0, 'translation': [1e7, 0, 0]}]
+json.dump(moved, open(apart, 'w'))
+lost = ['--scene', apart, *common[2:], *camera]
+assert 'depth_pixels' in run(*lost, code=1)
+assert 'depth_pixels' in run(*lost, '--camera-path', at('still.json'), code=1)
+assert 'depth_pixels' in run(*lost, '--presets', 'low', code=1)
+
 
 # Bad input gets a clear word.
 def refused(word, *arguments):

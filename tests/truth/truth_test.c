@@ -271,8 +271,7 @@ static void brute_force_measures_alike(void **state) {
           point[axis] = origin[axis] + distance * direction[axis];
         visibility[pixel] =
             brute_nearest(&b, point, (const double[3]){-0.3, 0.9, -0.2}, triangle, &away) == TRUTH_NOTHING;
-        const double view_depth = distance * vec_dot(direction, from.forward) + 0.1;
-        depth[pixel] = (float)(from.projection[14] / view_depth - from.projection[10]);
+        depth[pixel] = (float)(distance * vec_dot(direction, from.forward) + 0.1);
       }
     metrics ours, brutes;
     metrics_frame frame = {.view = &a.view,
@@ -280,7 +279,7 @@ static void brute_force_measures_alike(void **state) {
                            .shadow_distance = 40.0,
                            .visibility = a.visibility,
                            .mask = mask,
-                           .camera_depth = depth};
+                           .view_depth = depth};
     assert_int_equal(metrics_measure(&ours, &frame, kinds), 0);
     frame.visibility = visibility;
     assert_int_equal(metrics_measure(&brutes, &frame, kinds), 0);

@@ -479,7 +479,8 @@ typedef struct csm_mask_info {
                              instances that it sees; its light, origin and draw are not read */
   uint32_t width, height; /* of the mask, in pixels: 1 to 16384, and what the device can do */
   const void *camera_depth; /* engine's device: its depth image (csm_vulkan_image, csm_d3d12_image), of this size and
-                               drawn with this camera; NULL draws what the frame has */
+                               drawn with this camera: it is as precise as its projection makes it. NULL draws what the
+                               frame has, in reversed depth, whatever the projection */
   const void *normals;      /* engine's device: world-space unit normals, likewise; floats as they are, or normalised
                                integers from 0 for -1 to the largest for 1; NULL takes them from the depth */
   uint32_t show;            /* CSM_SHOW_* */
@@ -535,7 +536,14 @@ typedef struct csm_binding {
  */
 CSM_API csm_result CSM_CALL csm_bind(csm_cascades *cascades, csm_binding *binding);
 
-enum { CSM_READ_MAP = 0, CSM_READ_MASK = 1, CSM_READ_CAMERA_DEPTH = 2 };
+enum {
+  CSM_READ_MAP = 0,  /* raw depth */
+  CSM_READ_MASK = 1, /* visibility */
+  CSM_READ_CAMERA_DEPTH =
+      2,                  /* that csm drew for the mask: clip depth by the frame's projection, as its own depth buffer
+                                would hold it; 1 where nothing is, or, if depth is reversed, 0 */
+  CSM_READ_VIEW_DEPTH = 3 /* the same as view depth in metres, which loses nothing; INFINITY where nothing is */
+};
 
 typedef struct csm_read_info {
   uint32_t struct_size;
@@ -549,8 +557,8 @@ typedef struct csm_read_info {
 } csm_read_info;
 
 /*
- * Reads a map (raw depth), a mask (visibility) or the camera depth that was drawn for it into memory. Waits for the own
- * device; for tests and tools.
+ * Reads a map, a mask or the camera depth that was drawn for it into memory. Waits for the own device; for tests and
+ * tools.
  * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (source, size), INVALID_INDEX (cascade), INVALID_HANDLE (of another
  * context), INVALID_STATE (nothing to read yet), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE_LOST, DEVICE,
  * UNSUPPORTED (an engine's device). [render-thread]

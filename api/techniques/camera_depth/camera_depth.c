@@ -7,15 +7,16 @@
 
 enum { ROWS = 4 }; /* float4 rows for each instance's matrix */
 
-/* Programs of a device, by shape: plain, then reversed. */
+/* Programs of a device, by shape. */
 typedef struct camera_programs {
   uint32_t shapes;
   gpu_program *programs[DEVICE_MAX_SHAPES];
 } camera_programs;
 
 typedef struct camera_depth_state {
-  drawn_images depth; /* NULL as long as the engine brings its own */
-  camera_programs programs[2];
+  drawn_images depth;              /* NULL as long as the engine brings its own */
+  plan_camera drawn_with, seen_by; /* the camera that it was drawn with last, and the frame's, for csm_read */
+  camera_programs programs;
   ring_range ring; /* of the recording on its way */
   double gpu_ms;
   bool measured;
@@ -23,26 +24,21 @@ typedef struct camera_depth_state {
 
 /* ---- programs ---- */
 
-typedef struct camera_key {
-  uint32_t reversed;
-  mesh_vertices vertices;
-} camera_key;
-
 static csm_result make_program(gpu gpu, const void *about, gpu_program **out) {
-  const camera_key *key = about;
-  const draw_list_kind kind = {.name = key->reversed ? "camera depth, reversed" : "camera depth",
+  const mesh_vertices *vertices = about;
+  const draw_list_kind kind = {.name = "camera depth",
                                .vertex = shader_camera_depth_vs,
                                .cut_out_vertex = shader_camera_depth_alpha_mask_vs,
                                .rows = ROWS,
                                .format = GPU_FORMAT_D32_FLOAT,
-                               .compare = key->reversed ? GPU_COMPARE_GREATER : GPU_COMPARE_LESS,
+                               .compare = GPU_COMPARE_GREATER,
                                .clip = true};
-  return draw_list_program(gpu, &kind, key->vertices, out);
+  return draw_list_program(gpu, &kind, *vertices, out);
 }
 
-static csm_result extend_programs(device *device, camera_programs *programs, bool reversed) {
+static csm_result extend_programs(device *device, camera_programs *programs) {
   while (programs->shapes < device->shapes.count) {
-    const camera_key about = {.reversed = reversed, .vertices = device->shapes.vertices[programs->shapes]};
+    const mesh_vertices about = device->shapes.vertices[programs->shapes];
     const program_key key = {
         .make = make_program, .name = "a camera depth program", .about = &about, .size = sizeof about};
     const csm_result result = programs_find(device, &key, &programs->programs[programs->shapes]);
@@ -80,11 +76,10 @@ static csm_result import(device *device, technique_picture *picture) {
 static csm_result reserve(void *self, technique_run *run, const ring_range *ring) {
   camera_depth_state *state = self;
   technique_picture *picture = run->picture;
-  const bool reversed = picture->camera->reversed;
   state->ring = *ring;
   if (picture->engines_depth)
     return import(run->device, picture);
-  csm_result result = extend_programs(run->device, &state->programs[reversed], reversed);
+  csm_result result = extend_programs(run->device, &state->programs);
   if (!result)
     result = drawn_image_reserve(&state->depth, run->device, "camera depth", GPU_FORMAT_D32_FLOAT, picture->width,
                                  picture->height);
@@ -97,7 +92,7 @@ static void write(void *self, const technique_run *run) {
   const camera_depth_state *state = self;
   const technique_picture *picture = run->picture;
   if (picture->seen->instance_count)
-    plan_write_view_matrices(state->ring.memory, picture->seen, picture->camera, picture->scene);
+    plan_write_view_matrices(state->ring.memory, picture->seen, picture->depth_camera, picture->scene);
 }
 
 static void adopt(void *self, device *from) {
@@ -112,7 +107,7 @@ static void drop(void *self, device *device) {
   camera_depth_state *state = self;
   recording_forget_timing(device, state);
   drawn_image_drop(&state->depth, device);
-  state->programs[0] = state->programs[1] = (camera_programs){0};
+  state->programs = (camera_programs){0};
   state->measured = false;
 }
 
@@ -120,12 +115,11 @@ static void draw(const camera_depth_state *state, const technique_run *run) {
   const gpu gpu = run->device->gpu;
   const technique_picture *picture = run->picture;
   const drawn_image *depth = state->depth.now;
-  const bool reversed = picture->camera->reversed;
   gpu_marker_begin(gpu, "camera depth");
-  gpu_clear_depth(gpu, depth->image, reversed ? 0.0f : 1.0f);
+  gpu_clear_depth(gpu, depth->image, (float)plan_clear_depth(picture->depth_camera));
   if (picture->seen->draw_count) {
     gpu_pass_begin(gpu, &(gpu_pass_info){.target = depth->target});
-    draw_list(gpu, &(draw_list_info){.programs = {state->programs[reversed].programs},
+    draw_list(gpu, &(draw_list_info){.programs = {state->programs.programs},
                                      .cull = GPU_CULL_NONE,
                                      .list = picture->seen,
                                      .meshes = run->device->geometry.meshes,
@@ -153,8 +147,11 @@ static void record(void *self, const technique_run *run) {
   const bool timed = run->timestamps && recording_expect_timing(run->device, &sink, 2, &first);
   if (timed)
     gpu_timestamp(run->device->gpu, first);
-  if (own)
+  if (own) {
     draw(state, run);
+    state->drawn_with = *run->picture->depth_camera;
+    state->seen_by = *run->picture->camera;
+  }
   if (timed)
     gpu_timestamp(run->device->gpu, first + 1);
   if (state->depth.now)
@@ -172,7 +169,12 @@ static void tell_view(const void *self, const device *device, csm_view_stats *st
 static csm_result find(const void *self, uint32_t source, uint32_t cascade, technique_image *out) {
   const camera_depth_state *state = self;
   (void)cascade;
-  return source == CSM_READ_CAMERA_DEPTH ? drawn_image_find(&state->depth, out) : CSM_ERROR_UNSUPPORTED;
+  if (source != CSM_READ_CAMERA_DEPTH && source != CSM_READ_VIEW_DEPTH)
+    return CSM_ERROR_UNSUPPORTED;
+  const csm_result result = drawn_image_find(&state->depth, out);
+  out->drawn_with = &state->drawn_with;
+  out->read_as = source == CSM_READ_CAMERA_DEPTH ? &state->seen_by : NULL;
+  return result;
 }
 
 const technique technique_camera_depth = {

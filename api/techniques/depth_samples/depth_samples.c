@@ -63,14 +63,14 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
   if (result)
     return result;
   state->constants_offset = (uint32_t)ring->offset;
-  state->read->about = (plan_depth_samples){.camera = *picture->camera,
+  state->read->about = (plan_depth_samples){.camera = *picture->depth_camera,
                                             .maps_camera = run->plan->camera,
                                             .width = picture->width,
                                             .height = picture->height,
                                             .tile_px = TILE_PX,
                                             .columns = tiles->columns,
                                             .rows = tiles->rows};
-  tiles_write(ring->memory, picture->width, picture->height, picture->camera->reversed ? 0.0f : 1.0f);
+  tiles_write(ring->memory, picture->width, picture->height, (float)plan_clear_depth(picture->depth_camera));
   return CSM_SUCCESS;
 }
 

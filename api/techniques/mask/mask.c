@@ -79,7 +79,7 @@ static void write(void *self, const technique_run *run) {
   char *blocks = state->ring.memory;
   memcpy(blocks, run->constants, run->constants_size);
   plan_write_mask_constants((float *)(blocks + MASK_CASCADES_BLOCK), run->plan,
-                            &(plan_picture){.camera = picture->camera,
+                            &(plan_picture){.camera = picture->depth_camera,
                                             .width = picture->width,
                                             .height = picture->height,
                                             .show = picture->show,

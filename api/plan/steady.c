@@ -1,0 +1,88 @@
+/* steady.c: what carries on from frame to frame: the image that maps are sized for, and where their grids are counted
+   from. */
+#include "plan/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- the image ---- */
+
+/*
+ * A zoom would change every size in every frame. So maps are sized for an image that stays while it holds the camera's.
+ * One that does not grows by a third. An octave of the field of view takes no more than four such steps up to 120
+ * degrees, for tan 60 = 3 tan 30 < (4/3)^4 tan 30. One that is 1.4 times too wide becomes as wide as the camera's, which
+ * leaves a twentieth between growing and shrinking, so that a zoom that wavers does not change sizes each time. A first
+ * image, and one that has to be more than a third wider, is exact: there was a cut.
+ */
+#define GROWTH (4.0 / 3.0)
+#define TOO_WIDE 1.4
+
+/*
+ * The share of its width that an image needs of what slices are made for. They leave room for jitter, and an image in
+ * the middle knows how much of that it takes up; any other may take up all.
+ */
+static double needed_share(const plan_camera *camera, int axis) {
+  const double *p = camera->projection;
+  const double offset = p[(camera->orthographic ? 12 : 8) + axis], by_depth = p[(camera->orthographic ? 8 : 12) + axis];
+  return by_depth == 0.0 ? fmin((1.0 + fabs(offset)) / (1.0 + PLAN_OFFSET_STEP / 2.0), 1.0) : 1.0;
+}
+
+static double kept_width(double width, double needed, double kept) {
+  if (needed <= kept && kept < TOO_WIDE * width)
+    return kept;
+  return kept < needed && needed <= GROWTH * kept ? GROWTH * kept : width;
+}
+
+void plan_steady_image(double wider[2], const plan_fit_frame *frame) {
+  const plan_camera *camera = frame->camera;
+  const double *p = camera->projection;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double width = 1.0 / hypot(p[axis], p[4 + axis]);
+    const double kept = frame->before ? frame->before->image[axis] : 0.0;
+    frame->after->image[axis] = kept_width(width, width * needed_share(camera, axis), kept);
+    wider[axis] = frame->after->image[axis] / width;
+  }
+}
+
+/* ---- the anchor ---- */
+
+/*
+ * When the light turns, every point moves over the grid by as much as it lies away, along the light, from the point that
+ * the grid is counted from. So that point is first moved to the middle of the map: across the light by whole steps of
+ * the grid as it was, which leaves the grid where it is, and along the light freely, which no map tells.
+ */
+static void move_anchor(plan_anchor *anchor, const plan_fit_frame *frame, const double middle[3]) {
+  const double *then = frame->before->basis, grid = (double)(1u << frame->config->snap_power);
+  double to_middle[3], shift[3] = {0};
+  for (int k = 0; k < 3; ++k)
+    to_middle[k] =
+        middle[0] * frame->basis[k] + middle[1] * frame->basis[3 + k] + middle[2] * frame->basis[6 + k] - anchor->at[k];
+  for (int axis = 0; axis < 3; ++axis) {
+    double way = plan_dot(&then[axis * 3], to_middle);
+    if (axis < 2) {
+      const double texels = round(way / (grid * anchor->texel[axis])) * grid;
+      anchor->place[axis] += texels;
+      way = texels * anchor->texel[axis];
+    }
+    for (int k = 0; k < 3; ++k)
+      shift[k] += way * then[axis * 3 + k];
+  }
+  for (int k = 0; k < 3; ++k)
+    anchor->at[k] += shift[k];
+}
+
+void plan_steady_anchor(plan_fit *fit, const plan_fit_frame *frame, uint32_t cascade, const double middle[3]) {
+  const plan_history *before = frame->before;
+  plan_anchor anchor = {0};
+  if (before)
+    anchor = before->anchors[cascade];
+  if (anchor.texel[0] > 0.0 && memcmp(before->basis, frame->basis, sizeof before->basis) != 0)
+    move_anchor(&anchor, frame, middle);
+  for (int i = 0; i < 2; ++i) {
+    anchor.texel[i] = fit->texel[i];
+    fit->place[i] = anchor.place[i];
+  }
+  for (int i = 0; i < 3; ++i)
+    fit->anchor[i] = plan_dot(&frame->basis[i * 3], anchor.at);
+  frame->after->anchors[cascade] = anchor;
+}

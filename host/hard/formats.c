@@ -1,0 +1,170 @@
+/*
+ * formats.c: depths in 16 bits against 32, running either way, over ranges to 1e5 m. Half a step of 16 bits is all that
+ * may get lost: range / 131070.
+ */
+#include "hard/hard.h"
+#include <math.h>
+#include <stdlib.h>
+
+/* A level ground, and a lid over a part of it, thick, at some height. */
+static void make_scene(host_setup *out, double lid_height, double range) {
+  mesh_builder b = {0};
+  hard_setup_begin(out, 256, 144);
+  hard_ground(&b, (const double[3]){0.0, 0.0, 0.0}, 40.0, 4);
+  hard_add(out, &b, "ground", NULL);
+  if (isfinite(lid_height)) {
+    builder_box(&b, (const double[3]){-12.0, lid_height, -40.0}, (const double[3]){12.0, lid_height + 8.0, 4.0});
+    hard_add(out, &b, "lid", NULL);
+  }
+  hard_look(out, (const double[3]){0.0, 1.0, 8.0}, (const double[3]){0.0, 0.0, -6.0}, 70.0);
+  hard_reach(out, 30.0);
+  out->config.resolution = 1024;
+  out->config.cascade_count = 2;
+  out->config.depth_mode = CSM_DEPTH_SLICE;
+  out->config.caster_distance = range;
+}
+
+/* The same, with a caster as far up the light as its range reaches, which the planner finds by itself. */
+static void add_far_caster(host_setup *setup, double range) {
+  mesh_builder b = {0};
+  double place[3];
+  for (int axis = 0; axis < 3; axis++)
+    place[axis] = floor(-0.9 * range * setup->light.direction[axis]);
+  builder_box(&b, (const double[3]){-0.5, -0.5, -0.5}, (const double[3]){0.5, 0.5, 0.5});
+  hard_add(setup, &b, "far caster", place);
+  setup->config.depth_mode = CSM_DEPTH_CASTERS;
+}
+
+/* ---- what a map loses ---- */
+
+static int read_map(hard_run *run, const host_setup *setup, uint32_t format, bool reversed, float **map,
+                    uint32_t *side) {
+  csm_config config = setup->config;
+  hard_picture drawn = {0};
+  config.map_format = format;
+  config.map_reversed = reversed;
+  int code = hard_restart(run, &config);
+  if (code == 0)
+    code = hard_draw(run, &setup->camera, &setup->light, 0, &drawn);
+  if (code == 0)
+    code = hard_map(run, 0, map, side);
+  hard_picture_free(&drawn);
+  return code;
+}
+
+/*
+ * The nearest of 65536 depths is half a step away at most. The float arithmetic to a depth is off by 2^-22 of the range
+ * (docs/accuracy.md), in each of two maps.
+ */
+static void compare_maps(hard_run *run, const float *exact, const float *map, uint32_t side, bool bits_16,
+                         bool reversed) {
+  csm_binding binding;
+  double largest = 0.0;
+  if (hard_bind(run, &binding))
+    return;
+  for (size_t i = 0; i < (size_t)side * side; i++)
+    largest = fmax(largest, fabs((reversed ? 1.0 - map[i] : (double)map[i]) - exact[i]));
+  const double texels = binding.cascades[0].depth_range / binding.cascades[0].texel_size;
+  const double bound = (bits_16 ? 1.0 / 131070.0 : 0.0) + 2.0 * 0x1p-22;
+  hard_figure_add(run, largest * texels, bound * texels, "texels", "lost in %d bits%s, a range of %.0e m",
+                  bits_16 ? 16 : 32, reversed ? ", reversed" : "", binding.cascades[0].depth_range);
+}
+
+static int lose_depth(hard_run *run, const host_setup *setup) {
+  float *exact = NULL;
+  uint32_t side = 0;
+  int code = read_map(run, setup, CSM_MAP_D32, false, &exact, &side);
+  for (int i = 1; code == 0 && i < 4; i++) {
+    float *map = NULL;
+    code = read_map(run, setup, i & 1 ? CSM_MAP_D16 : CSM_MAP_D32, i & 2, &map, &side);
+    if (code == 0)
+      compare_maps(run, exact, map, side, i & 1, i & 2);
+    free(map);
+  }
+  free(exact);
+  return code;
+}
+
+/* ---- what is drawn ---- */
+
+static int judge_scene(hard_run *run, const host_setup *setup, hard_margin margin, const char *what) {
+  hard_picture drawn = {0};
+  hard_truth truth = {0};
+  int code = hard_load(run, setup);
+  if (code == 0)
+    code = hard_cast(run, &setup->camera, &setup->light, &truth);
+  for (int i = 0; code == 0 && i < 4; i++) {
+    csm_config config = setup->config;
+    config.map_format = i & 1 ? CSM_MAP_D16 : CSM_MAP_D32;
+    config.map_reversed = i & 2 ? 1 : 0;
+    code = hard_restart(run, &config);
+    if (code == 0)
+      code = hard_draw(run, &setup->camera, &setup->light, 0, &drawn);
+    if (code)
+      break;
+    const hard_count count = hard_judge(run, &truth, drawn.mask, margin);
+    hard_figure_add(run, (double)(count.false_dark + count.false_lit), 0.0, "px", "wrong, %s, %d bits%s", what,
+                    i & 1 ? 16 : 32, i & 2 ? ", reversed" : "");
+    hard_figure_add(run, count.judged > 1000 ? 0.0 : 1.0, 0.0, "1", "pictures that show nothing");
+  }
+  hard_picture_free(&drawn);
+  hard_truth_free(&truth);
+  return code;
+}
+
+static int draw_plane(hard_run *run, double range, double height_deg) {
+  host_setup setup;
+  make_scene(&setup, INFINITY, range);
+  setup.light = hard_sun(height_deg, 70.0);
+  const int code = judge_scene(run, &setup, (hard_margin){.edge_px = 0.0}, "a lit plane");
+  hard_unload(run);
+  setup_free(&setup);
+  return code;
+}
+
+/*
+ * A lid hangs two steps of 16 bits over the ground, and what the bias takes at a sun of 60 degrees, a texel and more:
+ * a metre. All under it is dark. Its shadow's edges are 5 px wide at most.
+ */
+static int draw_lid(hard_run *run, double range) {
+  host_setup setup;
+  make_scene(&setup, 1.0 + 2.0 * range / 65535.0, range);
+  setup.light = hard_sun(60.0, 70.0);
+  const int code = judge_scene(run, &setup, (hard_margin){.silhouette_px = 2.0, .edge_px = 5.0}, "under a lid");
+  hard_unload(run);
+  setup_free(&setup);
+  return code;
+}
+
+static int draw_maps(hard_run *run, double range, bool far_caster) {
+  host_setup setup;
+  make_scene(&setup, 2.0, range);
+  if (far_caster)
+    add_far_caster(&setup, range);
+  int code = hard_load(run, &setup);
+  if (code == 0)
+    code = lose_depth(run, &setup);
+  hard_unload(run);
+  setup_free(&setup);
+  return code;
+}
+
+static int run_case(hard_run *run) {
+  static const double suns[] = {70.0, 45.0, 20.0};
+  int code = 0;
+  for (int power = 2; code == 0 && power <= 5; power += run->sweep ? 1 : 3) {
+    const double range = pow(10.0, power);
+    for (int i = 0; code == 0 && i < 3; i += run->sweep ? 1 : 2)
+      code = draw_plane(run, range, suns[i]);
+    if (code == 0)
+      code = draw_lid(run, range);
+    if (code == 0)
+      code = draw_maps(run, range, false);
+    if (code == 0)
+      code = draw_maps(run, range, true);
+  }
+  return code;
+}
+
+const hard_case hard_formats = {
+    .name = "formats", .about = "depths in 16 bits, running either way, over ranges to 1e5 m", .run = run_case};
