@@ -10,8 +10,8 @@
 
 static const double degrees = 3.14159265358979323846 / 180.0;
 
-/* Pixels that read a texel: a filter reads 4 x 4 of them, and a pixel here is mostly no smaller than one. */
-#define PIXELS 16.0
+/* Pixels that one texel changes: a filter reads 4 x 4 of them, which are about two pixels wide at most here. */
+#define PIXELS 4.0
 
 /* A way for the sun to go, and for the camera. */
 typedef struct motion {
