@@ -11,6 +11,7 @@ const hard_case *const hard_cases[] = {
     &hard_formats,
     &hard_borders,
     &hard_depth_range,
+    &hard_projections,
     &hard_degenerate,
     &hard_many,
     &hard_limits,

@@ -11,6 +11,7 @@ extern const hard_case hard_turned;
 extern const hard_case hard_formats;
 extern const hard_case hard_borders;
 extern const hard_case hard_depth_range;
+extern const hard_case hard_projections;
 extern const hard_case hard_degenerate;
 extern const hard_case hard_many;
 extern const hard_case hard_limits;
