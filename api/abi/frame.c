@@ -86,6 +86,7 @@ static csm_result make_plan(csm_cascades *cascades, const frame_input *input, pl
                                 .light_layers = input->light.layers,
                                 .origin = frame->origin,
                                 .scene = scene,
+                                .all_receivers = context_device(context)->own, /* no depth of an engine's is resolved */
                                 .cache = frame->scene ? &cascades->cache : NULL,
                                 .before = &cascades->history,
                                 .samples = cascades->samples,

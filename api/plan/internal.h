@@ -240,6 +240,8 @@ typedef struct plan_light_cull {
 plan_kept plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const plan_scene *scene);
 /* Notes in the one list what may be in the camera's clip volume. */
 void plan_cull_view(plan_lists *lists, const plan_camera *camera, const plan_scene *scene);
+/* Whether a camera sees any receiver, up to a view depth. */
+bool plan_sees_receivers(const plan_camera *camera, const plan_scene *scene, double end);
 
 /* ---- packing ---- */
 /* The transform of positions as they are stored. */
