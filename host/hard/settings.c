@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Texels of all maps together: 16 MiB of them on each backend, or 1 GiB. */
+/* Texels of all maps together: 16 MiB of them on each backend, or, of 16 bits, 512 MiB. */
 static const double most_texels = 0x1p22, most_texels_of_sweep = 0x1p28;
 
 typedef struct tally {
@@ -155,8 +155,10 @@ static int draw_ends(hard_run *run, tally *tally) {
       csm_config config = run->setup->config;
       for (uint32_t k = 0; k < field.length; k++)
         set(&config, &field, k, end ? field.maximum : field.minimum);
-      if (count_texels(&config) > most_texels_of_sweep)
+      if (count_texels(&config) > most_texels_of_sweep) { /* reading takes as much again */
         config.cascade_count = 1;
+        config.map_format = CSM_MAP_D16;
+      }
       code = draw_settings(run, &config, tally);
     }
   return code;
