@@ -278,7 +278,7 @@ void geometry_destroy(device *device) {
     if (geometry->places[i])
       place_free(device, &geometry->places[i]->retired);
   uploads_destroy(device);
-  pages_destroy(device);
+  pages_free_empty(device); /* all of them */
   host_release(device->host, geometry->places);
   host_release(device->host, geometry->meshes);
 }
