@@ -21,6 +21,11 @@ bool plan_normalize(double v[3]);
 /* Whether all values are finite and no larger than `most`, which is above 0. */
 bool plan_within(const double *values, uint32_t count, double most);
 
+/* ---- configurations ---- */
+/* Whether a field's numbers are doubles, and not whole ones. */
+bool plan_is_double(const csm_config_field *field);
+
+/* ---- floats ---- */
 /* The nearest float; what a float cannot hold becomes the largest one. */
 static inline float plan_float(double value) {
   const double limit = 3.4028234663852886e38;
@@ -273,8 +278,8 @@ void plan_lists_end(plan_lists *lists, const plan_scene *scene);
 typedef struct plan_light_cull {
   const double *basis;
   const plan_hull *hull;
-  uint32_t layers; /* 0: all */
-  plan_area *areas;
+  uint32_t layers;   /* 0: all */
+  plan_area *areas;  /* whose first_caster is INFINITY yet */
   plan_cache *cache; /* may be NULL */
 } plan_light_cull;
 /* The span of all casters that may shade what lies in the hull; false: there are none. */
@@ -283,6 +288,8 @@ bool plan_casters_span(plan_span *out, const plan_light_cull *cull, const plan_s
 plan_kept plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const plan_scene *scene);
 /* Notes in the one list what may be in the camera's clip volume. */
 void plan_cull_view(plan_lists *lists, const plan_camera *camera, const plan_scene *scene);
+/* Whether a camera sees any receiver, up to a view depth. */
+bool plan_sees_receivers(const plan_camera *camera, const plan_scene *scene, double end);
 
 /* ---- packing ---- */
 /* The transform of positions as they are stored. */

@@ -255,6 +255,7 @@ typedef struct plan_frame_info {
   bool others_cast;                        /* the engine draws casters into the maps that no instance tells of */
   const double *origin;                    /* 3; NULL: the camera's position */
   const plan_scene *scene;
+  bool all_receivers;                /* no surfaces but the scene's receivers are asked for visibility */
   plan_cache *cache;                 /* may be NULL */
   const plan_history *before;        /* the last frame's; may be NULL */
   const plan_depth_samples *samples; /* of earlier frames, one for each view */

@@ -15,6 +15,7 @@ const hard_case *const hard_cases[] = {
     &hard_degenerate,
     &hard_many,
     &hard_limits,
+    &hard_settings,
     NULL,
 };
 /* clang-format on */

@@ -15,6 +15,7 @@ extern const hard_case hard_projections;
 extern const hard_case hard_degenerate;
 extern const hard_case hard_many;
 extern const hard_case hard_limits;
+extern const hard_case hard_settings;
 
 /* In the order of the table; NULL ends it. */
 extern const hard_case *const hard_cases[];

@@ -42,7 +42,7 @@ ONLY = {
     ("backends/d3d12", PUBLIC): {"csm_base.h", "csm_d3d12.h"},
     ("backends/null", PUBLIC): {"csm_base.h", "csm_vulkan.h", "csm_d3d12.h"},
     **{(f"api/{layer}", GPU): {"gpu.h", "gpu_calls.h", "structs.h"} for layer in ("device", "scene", "techniques", "abi")},
-    **{(f"backends/{name}", GPU): {"gpu.h", "choose.h", "physical.h", "structs.h"} for name in ("vulkan", "d3d12")},
+    **{(f"backends/{name}", GPU): {"gpu.h", "choose.h", "lent.h", "physical.h", "structs.h"} for name in ("vulkan", "d3d12")},
     ("backends/null", GPU): {"gpu.h"},
 }
 # Headers from outside: the API knows no GPU's, but where it hands one over, and the plan does no input and output.
