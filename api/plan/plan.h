@@ -16,7 +16,8 @@
 /* ---- matrices: column-major doubles, element [column * 4 + row] ---- */
 void plan_multiply(double out[16], const double a[16], const double b[16]); /* out may not alias */
 bool plan_invert(double out[16], const double m[16]);                       /* false: singular; any scale is fine */
-bool plan_finite(const double *values, uint32_t count);
+bool plan_finite(const double *values, uint32_t count); /* raises no floating-point exception, whatever comes in */
+bool plan_finite_floats(const float *values, uint32_t count);
 /* CSM_SUCCESS, NOT_FINITE, or INVALID_MATRIX: the last row is not 0 0 0 1, or the columns are dependent. */
 csm_result plan_check_affine(const double m[16]);
 

@@ -10,6 +10,10 @@ const hard_case *const hard_cases[] = {
     &hard_turned,
     &hard_formats,
     &hard_borders,
+    &hard_depth_range,
+    &hard_degenerate,
+    &hard_many,
+    &hard_limits,
     NULL,
 };
 /* clang-format on */

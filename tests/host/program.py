@@ -95,6 +95,9 @@ def check_bad_input(folder, scene):
     expect_exit(2, "cannot make the folder", *ours, "--out", "/proc/no/such/folder")
     expect_exit(2, "cannot make the folder", *ours, "--dump", "/proc/no/such/folder")
     expect_exit(2, "cannot write", *ours, "--json", "/proc/no/such/file")
+    for config, word in (('{"filter": 77}', "filter"), ('{"filter": -1}', "filter"), ('{"resolution": 3}', "resolution"),
+                         ('{"split_mode": "manual", "split_distances": [2, 1]}', "contradict")):
+        expect_exit(2, word, "config", "--config", write(folder / "bad.json", config))
     for config, word in (('{"nope": 1}', "nope"), ('{"cascade_count": 0}', "cascade_count"),
                          ('{"cascade_count": 9}', "cascade_count"), ('{"resolution": 32768}', "resolution"),
                          ('{"resolution": 16384, "cascade_count": 8}', "bytes"), ('{"filter": "box"}', "box"),
