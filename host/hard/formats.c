@@ -199,18 +199,23 @@ static int draw_maps(hard_run *run, const formats_scene *of, bool far_caster) {
   return code;
 }
 
+/* The short form leaves out some suns, and maps of fine texels that are drawn as coarse ones are. */
 static int draw_all(hard_run *run, const formats_scene *of) {
   static const double suns[] = {70.0, 45.0, 20.0};
   int code = 0;
-  for (int i = 0; code == 0 && i < 3; i += run->sweep ? 1 : 2) {
+  for (int i = 0; code == 0 && i < 3; i++) {
+    if (!run->sweep && (i == 1) != of->fine)
+      continue;
     code = draw_planes(run, of, suns[i]);
-    if (code == 0)
+    if (code == 0 && (run->sweep || i == 2))
       code = draw_plane_far_below(run, of, suns[i]);
   }
   if (code == 0)
     code = draw_lid(run, of);
-  for (int far_caster = 0; code == 0 && far_caster < 2; far_caster++)
-    code = draw_maps(run, of, far_caster);
+  if (code == 0 && (run->sweep || !of->fine || of->clipped))
+    code = draw_maps(run, of, false);
+  if (code == 0 && (run->sweep || !of->fine))
+    code = draw_maps(run, of, true);
   return code;
 }
 
