@@ -57,8 +57,8 @@ typedef struct hard_figure {
 typedef struct hard_worst {
   double severity; /* negative: there is no picture yet */
   char what[112];
-  uint32_t width, height; /* of each of the two */
-  float *expected, *drawn;
+  uint32_t width, height;  /* of each of the two */
+  float *expected, *drawn; /* NAN: it is not judged */
 } hard_worst;
 
 struct hard_run {
@@ -239,7 +239,8 @@ int hard_walk(hard_run *run, const hard_path *path);
 /* Runs the cases that the options name. An exit code: HOST_DIFFER if a figure does not hold. */
 int hard_command(const host_options *options);
 
-/* The two pictures side by side, each pixel as a square. What is wrongly dark is blue, what is wrongly lit red. */
+/* The two pictures side by side, each pixel as a square. What is wrongly dark is blue, what is wrongly lit red; on the
+ * left, what is not judged is bluish grey. */
 void hard_worst_picture(image *out, const hard_worst *worst);
 /* Runs one case and hands its figures over. hard_run_close is allowed in both cases. */
 int hard_run_case(hard_run *out, const hard_case *which, const host_options *options);
