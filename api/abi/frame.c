@@ -84,6 +84,7 @@ static csm_result make_plan(csm_cascades *cascades, const frame_input *input, pl
                                 .light = input->light.direction,
                                 .reversed = input->camera.reversed,
                                 .light_layers = input->light.layers,
+                                .others_cast = frame->draw != NULL,
                                 .origin = frame->origin,
                                 .scene = scene,
                                 .cache = frame->scene ? &cascades->cache : NULL,

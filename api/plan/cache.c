@@ -19,16 +19,20 @@ static void put_box(plan_light_block *block, const double basis[9], const plan_s
     put_none(block, at);
     return;
   }
+  double square = 0.0;
   plan_placed box;
   plan_place(&box, instance, &scene->meshes[instance->mesh]);
   for (int axis = 0; axis < 3; ++axis) {
     const double center = plan_dot(box.center, &basis[axis * 3]), extent = plan_reach(&box, &basis[axis * 3]);
     block->low[axis][at] = center - extent;
     block->high[axis][at] = center + extent;
+    square += 4.0 * extent * extent;
   }
+  block->largest = square > block->largest ? square : block->largest;
 }
 
 void plan_light_block_make(plan_light_block *out, const double basis[9], const plan_scene *scene, uint32_t first) {
+  out->largest = 0.0;
   for (uint32_t i = 0; i < PLAN_BLOCK; ++i)
     if (first + i < scene->slot_count)
       put_box(out, basis, scene, first + i);

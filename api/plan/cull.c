@@ -71,6 +71,26 @@ static void meet_area(slot_pair meets[PLAN_BLOCK / 2], const plan_light_block *b
   }
 }
 
+/*
+ * A caster's size from which on it has to be looked at whether floats put it off its place. A mesh is stored within two
+ * widths of its box from its own origin, or is plan_bounds_far. That origin and the vertices lie no farther from the
+ * middle of a slice that the box meets than twice that, and the slice's size, which is small against the least
+ * distance.
+ */
+static double least_width(const plan_area *areas, uint32_t count) {
+  double least = INFINITY;
+  for (uint32_t i = 0; i < count; ++i)
+    least = fmin(least, areas[i].rounding.least);
+  return least / 5.0;
+}
+
+static bool any_far(const plan_scene *scene) {
+  bool far = false;
+  for (uint32_t i = 0; i < scene->mesh_count && !far; ++i)
+    far = plan_bounds_far(&scene->meshes[i]);
+  return far;
+}
+
 static bool other_layers(const plan_instance *instance, uint32_t layers) {
   return layers && instance->layers && !(instance->layers & layers);
 }
@@ -87,8 +107,16 @@ static void note(plan_lists *lists, const plan_light_cull *cull, const plan_inst
   }
 }
 
+/* What floats put a caster off its place by, in the areas that it casts into. */
+static void note_rounding(const plan_light_cull *cull, const plan_scene *scene, const plan_instance *instance,
+                          uint32_t mask, double end) {
+  for (; mask; mask &= mask - 1)
+    plan_rounding_note(&cull->areas[__builtin_ctz(mask)].rounding, cull->basis, instance,
+                       &scene->meshes[instance->mesh], end);
+}
+
 static void cull_block(plan_lists *lists, const plan_light_cull *cull, const plan_scene *scene,
-                       const plan_light_block *block, uint32_t first) {
+                       const plan_light_block *block, uint32_t first, bool may_be_off) {
   slot_pair pairs[PLAN_BLOCK / 2] = {0};
   int64_t meets[PLAN_BLOCK];
   for (uint32_t i = 0; i < lists->count; ++i)
@@ -102,11 +130,14 @@ static void cull_block(plan_lists *lists, const plan_light_cull *cull, const pla
       continue;
     lists->masks[first + i] = (uint8_t)meets[i];
     note(lists, cull, instance, (uint32_t)meets[i], block->low[2][i]);
+    if (may_be_off)
+      note_rounding(cull, scene, instance, (uint32_t)meets[i], block->high[2][i]);
   }
 }
 
 plan_kept plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const plan_scene *scene) {
   const plan_kept kept = plan_cache_fill(cull->cache, cull->basis, scene);
+  const double least = any_far(scene) ? 0.0 : least_width(cull->areas, lists->count);
   lists->among = scene->caster_count;
   for (uint32_t i = 0; i < lists->count; ++i)
     cull->areas[i].first_caster = INFINITY;
@@ -114,9 +145,30 @@ plan_kept plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const 
     plan_light_block made;
     if (!kept.blocks)
       plan_light_block_make(&made, cull->basis, scene, first);
-    cull_block(lists, cull, scene, kept.blocks ? &kept.blocks[first / PLAN_BLOCK] : &made, first);
+    const plan_light_block *block = kept.blocks ? &kept.blocks[first / PLAN_BLOCK] : &made;
+    cull_block(lists, cull, scene, block, first, block->largest > least * least);
   }
   return kept;
+}
+
+bool plan_casters_span(plan_span *out, const plan_light_cull *cull, const plan_scene *scene) {
+  const plan_kept kept = plan_cache_fill(cull->cache, cull->basis, scene);
+  *out = (plan_span){.low = {INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY}};
+  for (uint32_t slot = 0; slot < scene->slot_count; ++slot) {
+    const uint32_t at = slot % PLAN_BLOCK;
+    plan_light_block made;
+    if (!kept.blocks && at == 0)
+      plan_light_block_make(&made, cull->basis, scene, slot);
+    const plan_light_block *block = kept.blocks ? &kept.blocks[slot / PLAN_BLOCK] : &made;
+    const plan_instance *instance = &scene->instances[slot];
+    if (!plan_casts(instance) || other_layers(instance, cull->layers) || outside_hull(cull->hull, block, at))
+      continue;
+    for (int axis = 0; axis < 2; ++axis) {
+      out->low[axis] = fmin(out->low[axis], block->low[axis][at]);
+      out->high[axis] = fmax(out->high[axis], block->high[axis][at]);
+    }
+  }
+  return out->low[0] <= out->high[0];
 }
 
 /* ---- a camera ---- */

@@ -13,11 +13,10 @@
 
 #include <math.h>
 
-#define STEPS_PER_OCTAVE 4.0
 #define SHRINK_STEPS 2.0
 #define SHRINK_FRAMES 16
 /* The bound of a map never shrinks below 1/16 of its fit. */
-#define MOST_STEPS (4.0 * STEPS_PER_OCTAVE)
+#define MOST_STEPS (4.0 * PLAN_STEPS_PER_OCTAVE)
 
 /* The view-space corners of what a tile saw between two view depths; a tile at the border goes on beyond it. */
 static void tile_corners(double (*corners)[3], const plan_depth_samples *samples, uint32_t column, uint32_t row,
@@ -129,11 +128,7 @@ bool plan_depth_samples_usable(const plan_frame_info *info, const plan_camera *c
 
 /* ---- splits ---- */
 
-/*
- * Steps of a range's logarithm: what is needed, or what there was if that holds it and has not been much wider for
- * long. `direction` is that in which steps hold more.
- */
-static plan_steps keep_or_fit(double needed, const plan_steps *before, double direction) {
+plan_steps plan_steps_keep(double needed, const plan_steps *before, double direction) {
   const bool holds = before && direction * (before->value - needed) >= 0.0;
   if (!holds)
     return (plan_steps){.value = needed};
@@ -174,12 +169,13 @@ void plan_depth_samples_range(double *near, double *end, const plan_fit_frame *f
   after->has_samples = true;
   const double least = fmax(fmax(nearest, 1e-12), fmax(*near, 1e-6 * fabs(*end)));
   after->sample_range[0] =
-      keep_or_fit(floor(log2(least) * STEPS_PER_OCTAVE), had ? &before->sample_range[0] : NULL, -1.0);
-  after->sample_range[1] =
-      keep_or_fit(ceil(log2(fmax(farthest, 1e-12)) * STEPS_PER_OCTAVE), had ? &before->sample_range[1] : NULL, 1.0);
+      plan_steps_keep(floor(log2(least) * PLAN_STEPS_PER_OCTAVE), had ? &before->sample_range[0] : NULL, -1.0);
+  after->sample_range[1] = plan_steps_keep(ceil(log2(fmax(farthest, 1e-12)) * PLAN_STEPS_PER_OCTAVE),
+                                           had ? &before->sample_range[1] : NULL, 1.0);
   /* An orthographic camera may see what lies behind its origin, of which there is no logarithm. */
-  const double fitted_near = nearest > 0.0 ? fmax(*near, exp2(after->sample_range[0].value / STEPS_PER_OCTAVE)) : *near;
-  const double fitted_end = fmin(*end, exp2(after->sample_range[1].value / STEPS_PER_OCTAVE));
+  const double fitted_near =
+      nearest > 0.0 ? fmax(*near, exp2(after->sample_range[0].value / PLAN_STEPS_PER_OCTAVE)) : *near;
+  const double fitted_end = fmin(*end, exp2(after->sample_range[1].value / PLAN_STEPS_PER_OCTAVE));
   if (!(fitted_near < fitted_end)) /* all that is seen lies past the end of shadows */
     return;
   *near = fitted_near;
@@ -283,14 +279,14 @@ void plan_depth_samples_bound(double middle[2], double width[2], const plan_fit_
       continue;
     /* Steps that the fit's width is divided by; a quotient of 2^20 is more than all of them */
     const double times = width[k] / fmax(needed, width[k] * 0x1p-20);
-    const double steps = fmin(fmax(floor(log2(times) * STEPS_PER_OCTAVE), 0.0), MOST_STEPS);
+    const double steps = fmin(fmax(floor(log2(times) * PLAN_STEPS_PER_OCTAVE), 0.0), MOST_STEPS);
     const bool had = before && before->has_bounds[cascade];
-    const plan_steps kept = keep_or_fit(steps, had ? &before->bound_steps[cascade][k] : NULL, -1.0);
+    const plan_steps kept = plan_steps_keep(steps, had ? &before->bound_steps[cascade][k] : NULL, -1.0);
     frame->after->bound_steps[cascade][k] = kept;
     if (kept.value <= 0.0)
       continue;
     middle[k] = (begin + end) / 2.0;
-    width[k] *= exp2(-kept.value / STEPS_PER_OCTAVE);
+    width[k] *= exp2(-kept.value / PLAN_STEPS_PER_OCTAVE);
   }
   frame->after->has_bounds[cascade] = true;
 }

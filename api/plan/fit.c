@@ -123,6 +123,21 @@ static double snap(double place, const csm_config *config) {
                                                : round(place / grid) * grid;
 }
 
+/*
+ * Narrows a map to what casts into it: beyond that all is lit. A width is a step of a quarter of an octave, which
+ * casters that move change seldom, with room for the filter; of texels that are large against the rounding of doubles.
+ */
+static void bound_casters(double middle[2], double width[2], const plan_fit_frame *frame, uint32_t resolution) {
+  const double room = 1.0 - 2.0 * plan_padding_texels(frame->config) / resolution;
+  const double wanted = exp2(frame->after->casters_width.value / PLAN_STEPS_PER_OCTAVE) / room;
+  const double needed = fmax(wanted, resolution * 0x1p-40 * fmax(fabs(middle[0]), fabs(middle[1])));
+  for (int i = 0; i < 2; ++i)
+    if (needed < width[i]) {
+      middle[i] = (frame->casters->low[i] + frame->casters->high[i]) / 2.0;
+      width[i] = needed;
+    }
+}
+
 csm_result plan_fit_slice(plan_fit *out, const plan_fit_frame *frame, uint32_t cascade, const double depths[2],
                           const char **error) {
   static const char too_large[] = "view and projection have numbers too large to plan with";
@@ -138,6 +153,8 @@ csm_result plan_fit_slice(plan_fit *out, const plan_fit_frame *frame, uint32_t c
     width[0] = width[1] = slice.diameter;
   if (frame->sample_count)
     plan_depth_samples_bound(middle, width, frame, cascade, depths);
+  if (frame->casters)
+    bound_casters(middle, width, frame, resolution);
   size_texels(out->texel, width, config, resolution);
   const double largest = fmax(fabs(middle[0]), fmax(fabs(middle[1]), fabs(middle[2])));
   const double finest = fmin(out->texel[0], out->texel[1]);
@@ -162,11 +179,13 @@ static double steps_end(const plan_fit *fit) {
 }
 
 /* Steps from the first kept depth to the map's end. */
-static double depth_steps(const plan_fit *fit, double first_caster, const csm_config *config) {
-  const double most = DEPTH_STEPS + ceil(config->caster_distance / fit->step);
-  const double wanted =
-      fmin(steps_end(fit) - (first_caster - fit->anchor[2]) / fit->step, most); /* minus infinity without casters */
-  double steps = DEPTH_STEPS;
+static double depth_steps(const plan_fit *fit, const plan_area *area, double shift, const csm_config *config) {
+  const double least = DEPTH_STEPS + ceil(shift / fit->step);
+  const double farthest = fmin(config->caster_distance, plan_longest_range(fit, config) - least * fit->step);
+  const double most = least + ceil(fmax(farthest, 0.0) / fit->step);
+  const double wanted = fmin(steps_end(fit) - (area->first_caster - fit->anchor[2]) / fit->step,
+                             most); /* minus infinity without casters */
+  double steps = least;
   while (steps < wanted)
     steps *= 2.0;
   return fmin(steps, most);
@@ -214,8 +233,20 @@ static void clip_scene(double depth[2], const plan_scene_box *box, const plan_ar
   }
 }
 
+/*
+ * Keeps a range to what its format resolves. It then ends with the slice, as nothing behind shades it; what lies before
+ * the range, towards the light, is clamped to its begin.
+ */
+static void bound_depth(double depth[2], const plan_fit *fit, const csm_config *config) {
+  const double most = plan_longest_range(fit, config);
+  if (depth[1] - depth[0] <= most)
+    return;
+  depth[1] = fit->depth[1];
+  depth[0] = fmin(fmax(depth[0], depth[1] - most), fit->depth[0]);
+}
+
 plan_area plan_fit_area(const plan_fit *fit, const csm_config *config, const plan_scene_box *box) {
-  plan_area area = {.depth = {INFINITY, -INFINITY}};
+  plan_area area = {.depth = {INFINITY, -INFINITY}, .rounding = plan_rounding_begin(fit, config)};
   for (int i = 0; i < 2; ++i) {
     area.min[i] = fit->anchor[i] + fit->origin[i] * fit->texel[i];
     area.max[i] = fit->anchor[i] + (fit->origin[i] + fit->resolution) * fit->texel[i];
@@ -232,6 +263,7 @@ plan_area plan_fit_area(const plan_fit *fit, const csm_config *config, const pla
     area.depth[0] = fit->depth[0] - config->caster_distance;
     area.depth[1] = fit->depth[1];
   }
+  bound_depth(area.depth, fit, config);
   if (config->depth_mode == CSM_DEPTH_CASTERS)
     area.depth[1] = fit->anchor[2] + steps_end(fit) * fit->step;
   return area;
@@ -261,16 +293,21 @@ void plan_fit_place(plan_cascade *cascade, const plan_fit *fit, const plan_area 
     scale[i] = 1.0 / (fit->texel[i] * fit->resolution);
     origin[i] = (fit->anchor[i] / fit->texel[i] + fit->origin[i]) / fit->resolution;
   }
-  double range = area->depth[1] - area->depth[0];
-  origin[2] = area->depth[0] / range;
-  if (config->depth_mode == CSM_DEPTH_CASTERS) {
-    const double steps = depth_steps(fit, area->first_caster, config);
+  /* Receivers at the range's begin stay within it when they are moved */
+  const bool stepped = config->depth_mode == CSM_DEPTH_CASTERS;
+  const double unmoved = stepped ? depth_steps(fit, area, 0.0, config) * fit->step : area->depth[1] - area->depth[0];
+  const double shift = plan_rounding_shift(&area->rounding, unmoved);
+  double range = unmoved + shift;
+  origin[2] = (area->depth[0] - shift) / range;
+  if (stepped) {
+    const double steps = depth_steps(fit, area, shift, config);
     range = steps * fit->step;
     origin[2] = (fit->anchor[2] / fit->step + steps_end(fit) - steps) / steps;
   }
   scale[2] = 1.0 / range;
   cascade->info.texel_size = fmax(fit->texel[0], fit->texel[1]);
   cascade->info.depth_range = range;
+  cascade->shift = shift;
   for (int i = 0; i < 2; ++i) {
     cascade->texel[i] = fit->texel[i];
     cascade->origin_texels[i] = fit->anchor[i] / fit->texel[i] + fit->origin[i];

@@ -30,6 +30,27 @@ static csm_result take_origin(plan_frame *frame, const double *origin, const cha
   return CSM_SUCCESS;
 }
 
+/*
+ * Where casters lie across the light, for maps that need be no wider: those of an orthographic camera, whose slices may
+ * be far longer than all that casts. What lies in no map must be lit, and every caster known.
+ */
+static bool find_casters(plan_span *casters, const plan_fit_frame *frame, const plan_frame_info *info) {
+  if (!frame->camera->orthographic || info->others_cast || frame->config->out_of_range == CSM_OUT_OF_RANGE_DARK)
+    return false;
+  plan_hull hull;
+  plan_view_hull(&hull, frame->camera, frame->basis, fmin(frame->config->shadow_distance, frame->camera->far_depth),
+                 0.0);
+  const plan_light_cull to = {.basis = frame->basis, .hull = &hull, .layers = info->light_layers, .cache = info->cache};
+  if (!plan_casters_span(casters, &to, info->scene))
+    return false;
+  const double width = fmax(casters->high[0] - casters->low[0], casters->high[1] - casters->low[1]);
+  const bool had = frame->before && frame->before->has_casters_width;
+  frame->after->has_casters_width = true;
+  frame->after->casters_width = plan_steps_keep(ceil(log2(fmax(width, 1e-12)) * PLAN_STEPS_PER_OCTAVE),
+                                                had ? &frame->before->casters_width : NULL, 1.0);
+  return true;
+}
+
 /* The camera, the light, and where each cascade lies. */
 static csm_result fit_frame(plan_frame *frame, plan_fit *fits, const plan_frame_info *info, const char **error) {
   csm_result result = plan_camera_make(&frame->camera, info->view, info->projection, info->reversed, error);
@@ -39,6 +60,7 @@ static csm_result fit_frame(plan_frame *frame, plan_fit *fits, const plan_frame_
     result = plan_light_make(frame->basis, info->config, info->light, info->before, error);
   if (result)
     return result;
+  plan_span casters;
   plan_fit_frame to = {.config = info->config,
                        .camera = &frame->camera,
                        .basis = frame->basis,
@@ -47,6 +69,8 @@ static csm_result fit_frame(plan_frame *frame, plan_fit *fits, const plan_frame_
                        .before = info->before,
                        .after = &frame->history};
   plan_steady_image(to.wider, &to);
+  if (find_casters(&casters, &to, info))
+    to.casters = &casters;
   result = fit_cascades(frame, fits, &to, error);
   if (frame->unshadowed && info->before) /* what was fitted waits until there are shadows again */
     frame->history = *info->before;

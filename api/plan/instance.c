@@ -18,11 +18,19 @@ void plan_bounds_in_place(plan_bounds *out, const float low[3], const float high
  * Computation", 1974). Where the middle is over three times the half extent away from 0, every position is from 2/3 to
  * 4/3 of it, which leaves enough for the middle's own rounding.
  */
-void plan_bounds_make(plan_bounds *out, const float low[3], const float high[3]) {
+static bool far_along(const plan_bounds *bounds, int axis) {
   const double share = 3.0;
+  return fabs(bounds->center[axis] - bounds->offset[axis]) > share * bounds->extent[axis];
+}
+
+bool plan_bounds_far(const plan_bounds *bounds) {
+  return far_along(bounds, 0) || far_along(bounds, 1) || far_along(bounds, 2);
+}
+
+void plan_bounds_make(plan_bounds *out, const float low[3], const float high[3]) {
   plan_bounds_in_place(out, low, high);
   for (int axis = 0; axis < 3; ++axis)
-    if (fabs(out->center[axis]) > share * out->extent[axis])
+    if (far_along(out, axis))
       out->offset[axis] = (float)out->center[axis];
 }
 

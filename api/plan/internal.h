@@ -50,6 +50,9 @@ static inline void plan_place(plan_placed *out, const plan_instance *instance, c
   }
 }
 
+/* Whether positions are stored farther from 0, along an axis, than three times half of what they fill there. */
+bool plan_bounds_far(const plan_bounds *bounds);
+
 /* How far the box reaches from its centre along a direction. */
 static inline double plan_reach(const plan_placed *box, const double direction[3]) {
   return fabs(plan_dot(box->axes[0], direction)) + fabs(plan_dot(box->axes[1], direction)) +
@@ -71,6 +74,11 @@ csm_result plan_light_make(double basis[9], const csm_config *config, const doub
                            const plan_history *before, const char **error);
 
 /* ---- what all cascades of a frame are fitted to ---- */
+/* Across the light: metres from the world's origin, along right and up. */
+typedef struct plan_span {
+  double low[2], high[2];
+} plan_span;
+
 typedef struct plan_fit_frame {
   const csm_config *config;
   const plan_camera *camera;
@@ -78,6 +86,7 @@ typedef struct plan_fit_frame {
   double wider[2];                   /* the image that stable fits are sized for; see plan_steady_image */
   const plan_depth_samples *samples; /* of each view */
   uint32_t sample_count;             /* 0: nothing is fitted to them */
+  const plan_span *casters;          /* of all that casts into the view; NULL: not known, or of no use */
   const plan_history *before;        /* may be NULL */
   plan_history *after;
 } plan_fit_frame;
@@ -97,6 +106,12 @@ csm_result plan_splits(plan_depths *out, const plan_fit_frame *frame, const char
 bool plan_depth_samples_usable(const plan_frame_info *info, const plan_camera *camera);
 /* Narrows the range of depths that splits divide. */
 void plan_depth_samples_range(double *near, double *end, const plan_fit_frame *frame);
+#define PLAN_STEPS_PER_OCTAVE 4.0
+/*
+ * Steps of a range's logarithm: what is needed, or what there was if that holds it and has not been much wider for
+ * long. `direction` is that in which steps hold more.
+ */
+plan_steps plan_steps_keep(double needed, const plan_steps *before, double direction);
 /* Narrows what a map covers of light space, along right and up. */
 void plan_depth_samples_bound(double middle[2], double width[2], const plan_fit_frame *frame, uint32_t cascade,
                               const double depths[2]);
@@ -134,12 +149,26 @@ typedef struct plan_fit {
   uint32_t resolution;
 } plan_fit;
 
+/*
+ * By how much the surfaces that a map and a camera's depth hold may lie off the surface that was drawn, and what of that
+ * the configured bias covers. See rounding.c.
+ */
+typedef struct plan_rounding {
+  double middle[3], begin; /* of the slice: its middle in light space, and where it begins along the light */
+  double covered[2];       /* metres along the light at slope 0, and for each unit of slope */
+  double slope_max;        /* at which the second stops growing */
+  double least;            /* distance in metres from which on a vertex is off by more than is covered */
+  double most;             /* metres; a map that is off by more than its slice is long tells nothing any more */
+  double beyond;           /* found by culling: the most metres that casters are off by more than is covered */
+} plan_rounding;
+
 /* What one map covers of light space, in metres from the world's origin. */
 typedef struct plan_area {
   double min[2], max[2]; /* along right and up */
   double depth[2];       /* along the light; nothing beyond the second is drawn; with depth_mode casters the first is
                             where the slice begins */
   double first_caster;   /* found by culling: where the first caster begins along the light; INFINITY: none */
+  plan_rounding rounding;
 } plan_area;
 
 /* The corners, in light space, of the box in the world that holds all instances; corner_count is 0 if there are none.
@@ -158,6 +187,17 @@ void plan_fit_nothing(plan_cascade *cascade, uint32_t index, const double basis[
 /* Writes the cascade's matrices, now that its casters are known. */
 void plan_fit_place(plan_cascade *cascade, const plan_fit *fit, const plan_area *area, const double basis[9],
                     const csm_config *config);
+
+/* ---- rounding ---- */
+/* The longest range of depths for which a depth is off by a share of a texel only. */
+double plan_longest_range(const plan_fit *fit, const csm_config *config);
+/* Of a map, before its casters are known. */
+plan_rounding plan_rounding_begin(const plan_fit *fit, const csm_config *config);
+/* Notes a caster, whose box in light space reaches as far as `end` along the light. */
+void plan_rounding_note(plan_rounding *rounding, const double basis[9], const plan_instance *instance,
+                        const plan_bounds *bounds, double end);
+/* How far receivers are moved towards the light in a map of that depth range. */
+double plan_rounding_shift(const plan_rounding *rounding, double range);
 
 /* ---- what carries on from frame to frame ---- */
 /* How many times as wide, and as high, as the camera's the image is that maps are sized for. */
@@ -196,6 +236,7 @@ void plan_scene_bounds(plan_scene_box *out, const double basis[9], const plan_sc
 enum { PLAN_BLOCK = 64 };
 typedef struct plan_light_block {
   double low[3][PLAN_BLOCK], high[3][PLAN_BLOCK];
+  double largest; /* no caster's size is above it: the diagonal of its box, squared */
 } plan_light_block;
 /* What a cache keeps for a light. */
 typedef struct plan_kept {
@@ -236,6 +277,8 @@ typedef struct plan_light_cull {
   plan_area *areas;
   plan_cache *cache; /* may be NULL */
 } plan_light_cull;
+/* The span of all casters that may shade what lies in the hull; false: there are none. */
+bool plan_casters_span(plan_span *out, const plan_light_cull *cull, const plan_scene *scene);
 /* Notes in list i what casts into area i, and how far towards the light those casters reach. Returns what is kept. */
 plan_kept plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const plan_scene *scene);
 /* Notes in the one list what may be in the camera's clip volume. */

@@ -16,7 +16,8 @@
 /* ---- matrices: column-major doubles, element [column * 4 + row] ---- */
 void plan_multiply(double out[16], const double a[16], const double b[16]); /* out may not alias */
 bool plan_invert(double out[16], const double m[16]);                       /* false: singular; any scale is fine */
-bool plan_finite(const double *values, uint32_t count);
+bool plan_finite(const double *values, uint32_t count); /* raises no floating-point exception, whatever comes in */
+bool plan_finite_floats(const float *values, uint32_t count);
 /* CSM_SUCCESS, NOT_FINITE, or INVALID_MATRIX: the last row is not 0 0 0 1, or the columns are dependent. */
 csm_result plan_check_affine(const double m[16]);
 
@@ -187,12 +188,13 @@ typedef struct plan_anchor {
 
 /* What a frame hands to the next one. Zero is the first frame. */
 typedef struct plan_history {
-  bool has_light, has_samples, has_bounds[CSM_MAX_CASCADES];
+  bool has_light, has_samples, has_bounds[CSM_MAX_CASCADES], has_casters_width;
   double basis[9]; /* of the light that was drawn with */
   plan_anchor anchors[CSM_MAX_CASCADES];
   double image[2];                             /* half of what stable fits are sized for along clip x and y: tangents
                                                   of a perspective camera, metres of an orthographic one; 0: none */
   plan_steps sample_range[2];                  /* what splits were fitted to */
+  plan_steps casters_width;                    /* that maps were narrowed to */
   plan_steps bound_steps[CSM_MAX_CASCADES][2]; /* by which each map was narrowed */
 } plan_history;
 
@@ -207,6 +209,7 @@ typedef struct plan_cascade {
   double place_texels[2];  /* where it begins, as its grid is counted: whole numbers */
   uint32_t resolution;
   double to_clip[12]; /* light space (right, up, along, relative to the world's origin) to clip: three rows of four */
+  double shift;       /* metres towards the light by which receivers are moved before they are compared */
   plan_list list;
 } plan_cascade;
 
@@ -248,6 +251,7 @@ typedef struct plan_frame_info {
   const double *view, *projection, *light; /* 16, 16 and 3 */
   uint32_t reversed;                       /* CSM_REVERSED_* */
   uint32_t light_layers;                   /* instances of other layers cast nothing; 0: all */
+  bool others_cast;                        /* the engine draws casters into the maps that no instance tells of */
   const double *origin;                    /* 3; NULL: the camera's position */
   const plan_scene *scene;
   plan_cache *cache;                 /* may be NULL */

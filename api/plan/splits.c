@@ -5,12 +5,12 @@
 
 /*
  * Zhang, Sun, Xu and Lun, "Parallel-Split Shadow Maps for Large-scale Virtual Environments" (2006): a blend of
- * logarithmic and uniform splits. An orthographic camera whose near plane is at or behind its origin has no logarithmic
- * splits, and needs none, for its pixels are equally large everywhere: it takes uniform ones.
+ * logarithmic and uniform splits. An orthographic camera's pixels are equally large everywhere, and it may lie far from
+ * all that it sees, or behind it: its splits are uniform.
  */
 static double practical_split(double near, double end, double share, double lambda) {
   const double uniform = near + (end - near) * share;
-  if (!(near > 0.0))
+  if (lambda == 0.0)
     return uniform;
   const double logarithmic = pow(near, 1.0 - share) * pow(end, share);
   return lambda * logarithmic + (1.0 - lambda) * uniform;
@@ -22,8 +22,9 @@ static double manual_split(const csm_config *config, uint32_t cascade, double ne
   return config->split_mode == CSM_SPLIT_FRACTIONS ? near + (end - near) * given : given;
 }
 
-static double split_lambda(const csm_config *config) {
+static double split_lambda(const csm_config *config, const plan_camera *camera) {
   return config->split_mode == CSM_SPLIT_UNIFORM       ? 0.0
+         : camera->orthographic                        ? 0.0
          : config->split_mode == CSM_SPLIT_LOGARITHMIC ? 1.0
                                                        : config->split_lambda;
 }
@@ -52,7 +53,7 @@ csm_result plan_splits(plan_depths *out, const plan_fit_frame *frame, const char
   for (uint32_t i = 1; i < count; ++i) {
     const double least = near + i * thin, most = end - (count - i) * thin;
     depths[i] = manual ? fmin(fmax(manual_split(config, i - 1, near, reach), least), most)
-                       : practical_split(spread, end, (double)i / count, split_lambda(config));
+                       : practical_split(spread, end, (double)i / count, split_lambda(config, frame->camera));
   }
   for (uint32_t i = 0; i < count; ++i)
     if (!(depths[i] < depths[i + 1]))

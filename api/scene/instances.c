@@ -133,6 +133,8 @@ static csm_result read_rows(double rows[12], const instances_transforms *from, u
   if (from->floats) {
     float given[12];
     memcpy(given, at, sizeof given);
+    if (!plan_finite_floats(given, 12) || !plan_finite(from->origin, 3))
+      return CSM_ERROR_NOT_FINITE;
     for (int i = 0; i < 12; ++i)
       rows[i] = given[i] + (i % 4 == 3 ? from->origin[i / 4] : 0.0);
     return CSM_SUCCESS;

@@ -119,14 +119,14 @@ static double plane_difference(const far_case *f, const float *map, double dista
   return largest >= 0.0 ? largest : INFINITY; /* nothing was left to compare */
 }
 
-static int draw_copied(hard_run *run, far_case *f, const host_setup *setup, double distance) {
+static int draw_copied(hard_run *run, far_case *f, const host_setup *setup) {
   const int code = hard_draw(run, &setup->camera, &setup->light, 0, &f->drawn);
   if (code)
     return code;
   const hard_difference difference = hard_compare(run, &f->near, &f->drawn, 1.0 / 255.0);
   /* Copied positions are stored less an offset, and exactly so: nothing is left of the distance but its double's
      rounding, far below a texel. */
-  hard_figure_add(run, (double)difference.pixels, 0.0, "px", "pixels that change, copied, %.0e m", distance);
+  hard_figure_add(run, (double)difference.pixels, 0.0, "px", "pixels that change, copied");
   return 0;
 }
 
@@ -140,7 +140,7 @@ static int draw_in_buffers(hard_run *run, far_case *f, const host_setup *setup, 
   if (code == 0) {
     const double step = distance * 0x1p-23, bound = depth_error(&f->cascade, distance);
     hard_figure_add(run, plane_difference(f, map, distance) / step, (bound + map_rounding(&f->cascade)) / step, "steps",
-                    "depth off in an engine's buffers, %.0e m", distance);
+                    "depth off in an engine's buffers");
     /* As long as that is half of the bias, the rest of which is for what it is for elsewhere, nothing is false. */
     const hard_count count =
         hard_judge(run, &f->truth, f->drawn.mask, (hard_margin){.silhouette_px = 2.0, .edge_px = 3.0});
@@ -157,7 +157,7 @@ static int draw_far(hard_run *run, far_case *f, double distance) {
   make_yard(&setup, distance);
   int code = hard_load(run, &setup);
   if (code == 0)
-    code = draw_copied(run, f, &setup, distance);
+    code = draw_copied(run, f, &setup);
   if (code == 0 && hard_has_engine(run))
     code = draw_in_buffers(run, f, &setup, distance);
   hard_unload(run);

@@ -6,8 +6,14 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* What a scene is made for: how far the map reaches up the light, and whether its texels are of 3 cm or of 2 mm. */
+typedef struct formats_scene {
+  double range;
+  bool fine;
+} formats_scene;
+
 /* A level ground, and a lid over a part of it, thick, at some height. */
-static void make_scene(host_setup *out, double lid_height, double range) {
+static void make_scene(host_setup *out, const formats_scene *of, double lid_height) {
   mesh_builder b = {0};
   hard_setup_begin(out, 256, 144);
   hard_ground(&b, (const double[3]){0.0, 0.0, 0.0}, 40.0, 4);
@@ -17,11 +23,11 @@ static void make_scene(host_setup *out, double lid_height, double range) {
     hard_add(out, &b, "lid", NULL);
   }
   hard_look(out, (const double[3]){0.0, 1.0, 8.0}, (const double[3]){0.0, 0.0, -6.0}, 70.0);
-  hard_reach(out, 30.0);
-  out->config.resolution = 1024;
+  hard_reach(out, of->fine ? 12.0 : 30.0);
+  out->config.resolution = of->fine ? 4096 : 1024;
   out->config.cascade_count = 2;
   out->config.depth_mode = CSM_DEPTH_SLICE;
-  out->config.caster_distance = range;
+  out->config.caster_distance = of->range;
 }
 
 /* The same, with a caster as far up the light as its range reaches, which the planner finds by itself. */
@@ -112,11 +118,34 @@ static int judge_scene(hard_run *run, const host_setup *setup, hard_margin margi
   return code;
 }
 
-static int draw_plane(hard_run *run, double range, double height_deg) {
+static int draw_plane(hard_run *run, const formats_scene *of, double height_deg, uint32_t filter, uint32_t bias) {
   host_setup setup;
-  make_scene(&setup, INFINITY, range);
+  make_scene(&setup, of, INFINITY);
   setup.light = hard_sun(height_deg, 70.0);
+  setup.config.filter = filter;
+  setup.config.bias_mode = filter == CSM_FILTER_LINEAR_DEPTH ? CSM_BIAS_SLOPE : bias; /* it compares once */
   const int code = judge_scene(run, &setup, (hard_margin){.edge_px = 0.0}, "a lit plane");
+  hard_unload(run);
+  setup_free(&setup);
+  return code;
+}
+
+/* With the default filter and bias, or with all. */
+static int draw_planes(hard_run *run, const formats_scene *of, double height_deg) {
+  int code = draw_plane(run, of, height_deg, CSM_FILTER_PCF_3X3, CSM_BIAS_RECEIVER_PLANE);
+  for (uint32_t filter = 0; run->sweep && code == 0 && filter <= CSM_FILTER_GRID_17; filter++)
+    for (uint32_t bias = 0; code == 0 && bias <= CSM_BIAS_RECEIVER_PLANE; bias++)
+      code = draw_plane(run, of, height_deg, filter, bias);
+  return code;
+}
+
+/* The same with a caster at the range's far end: its shadow has edges, and is left out. */
+static int draw_plane_far_below(hard_run *run, const formats_scene *of, double height_deg) {
+  host_setup setup;
+  make_scene(&setup, of, INFINITY);
+  setup.light = hard_sun(height_deg, 70.0);
+  add_far_caster(&setup, of->range);
+  const int code = judge_scene(run, &setup, (hard_margin){.edge_px = 5.0}, "a plane far below a caster");
   hard_unload(run);
   setup_free(&setup);
   return code;
@@ -126,9 +155,9 @@ static int draw_plane(hard_run *run, double range, double height_deg) {
  * A lid hangs two steps of 16 bits over the ground, and what the bias takes at a sun of 60 degrees, a texel and more:
  * a metre. All under it is dark. Its shadow's edges are 5 px wide at most.
  */
-static int draw_lid(hard_run *run, double range) {
+static int draw_lid(hard_run *run, const formats_scene *of) {
   host_setup setup;
-  make_scene(&setup, 1.0 + 2.0 * range / 65535.0, range);
+  make_scene(&setup, of, 1.0 + 2.0 * of->range / 65535.0);
   setup.light = hard_sun(60.0, 70.0);
   const int code = judge_scene(run, &setup, (hard_margin){.silhouette_px = 2.0, .edge_px = 5.0}, "under a lid");
   hard_unload(run);
@@ -136,11 +165,11 @@ static int draw_lid(hard_run *run, double range) {
   return code;
 }
 
-static int draw_maps(hard_run *run, double range, bool far_caster) {
+static int draw_maps(hard_run *run, const formats_scene *of, bool far_caster) {
   host_setup setup;
-  make_scene(&setup, 2.0, range);
+  make_scene(&setup, of, 2.0);
   if (far_caster)
-    add_far_caster(&setup, range);
+    add_far_caster(&setup, of->range);
   int code = hard_load(run, &setup);
   if (code == 0)
     code = lose_depth(run, &setup);
@@ -149,21 +178,26 @@ static int draw_maps(hard_run *run, double range, bool far_caster) {
   return code;
 }
 
-static int run_case(hard_run *run) {
+static int draw_all(hard_run *run, const formats_scene *of) {
   static const double suns[] = {70.0, 45.0, 20.0};
   int code = 0;
-  for (int power = 2; code == 0 && power <= 5; power += run->sweep ? 1 : 3) {
-    const double range = pow(10.0, power);
-    for (int i = 0; code == 0 && i < 3; i += run->sweep ? 1 : 2)
-      code = draw_plane(run, range, suns[i]);
+  for (int i = 0; code == 0 && i < 3; i += run->sweep ? 1 : 2) {
+    code = draw_planes(run, of, suns[i]);
     if (code == 0)
-      code = draw_lid(run, range);
-    if (code == 0)
-      code = draw_maps(run, range, false);
-    if (code == 0)
-      code = draw_maps(run, range, true);
+      code = draw_plane_far_below(run, of, suns[i]);
   }
+  if (code == 0)
+    code = draw_lid(run, of);
+  for (int far_caster = 0; code == 0 && far_caster < 2; far_caster++)
+    code = draw_maps(run, of, far_caster);
   return code;
+}
+
+static int run_case(hard_run *run) {
+  int code = 0;
+  for (int power = 2; code == 0 && power <= 5; power += run->sweep ? 1 : 3)
+    code = draw_all(run, &(formats_scene){.range = pow(10.0, power)});
+  return code ? code : draw_all(run, &(formats_scene){.range = 1e5, .fine = true});
 }
 
 const hard_case hard_formats = {

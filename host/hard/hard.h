@@ -74,6 +74,7 @@ struct hard_run {
   hard_figure *figures;
   size_t figure_count, figure_capacity;
   hard_worst worst;
+  double seconds; /* that it took */
 };
 
 /* ---- figures ---- */
@@ -241,5 +242,8 @@ void hard_worst_picture(image *out, const hard_worst *worst);
 /* Runs one case and hands its figures over. hard_run_close is allowed in both cases. */
 int hard_run_case(hard_run *out, const hard_case *which, const host_options *options);
 void hard_run_close(hard_run *run);
+/* Whether all figures hold; and all of them as JSON, a new object. */
+bool hard_run_holds(const hard_run *run);
+json_t *hard_run_to_json(const hard_run *run);
 
 #endif

@@ -44,11 +44,14 @@ static seen_point point_of(const hard_truth *truth, const camera_rays *rays, uin
   return point;
 }
 
-/* Neighbours lie on surfaces that join where their points are no farther apart than what their planes span. */
+/* Neighbours lie on surfaces that join where their points are no farther apart than what their planes span. The sky is
+ * one with itself. */
 static bool joined(const seen_point *a, const seen_point *b) {
   double apart[3];
+  if (!a->seen || !b->seen)
+    return a->seen == b->seen;
   vec_subtract(apart, a->place, b->place);
-  return a->seen && b->seen && vec_length(apart) <= 2.0 * (a->span + b->span);
+  return vec_length(apart) <= 2.0 * (a->span + b->span);
 }
 
 /* Marks both of two neighbours. */
@@ -200,8 +203,8 @@ static bool is_judged(const hard_truth *truth, size_t i, hard_margin margin) {
 hard_count hard_judge(hard_run *run, const hard_truth *truth, const float *mask, hard_margin margin) {
   const size_t pixels = (size_t)truth->view.width * truth->view.height;
   hard_count count = {0};
-  double squares = 0.0, largest = -1.0;
-  size_t worst = 0;
+  double squares = 0.0, largest = 0.0;
+  size_t worst = pixels / 2 + truth->view.width / 2; /* the middle, where nothing is wrong */
   for (size_t i = 0; i < pixels; i++) {
     if (!is_judged(truth, i, margin))
       continue;
@@ -238,7 +241,7 @@ int hard_measure(metrics *out, const hard_truth *truth, const hard_picture *draw
 hard_difference hard_compare(hard_run *run, const hard_picture *expected, const hard_picture *drawn, double tolerance) {
   const size_t pixels = (size_t)expected->width * expected->height;
   hard_difference difference = {0};
-  size_t worst = 0;
+  size_t worst = pixels / 2 + expected->width / 2; /* the middle, where nothing differs */
   for (size_t i = 0; i < pixels; i++) {
     const double apart = fabs((double)expected->mask[i] - drawn->mask[i]);
     difference.pixels += !(apart <= tolerance);

@@ -134,6 +134,26 @@ def check_presets(folder, scene):
     expect(answer("config", "--config", again) == bevy, "a preset that is told can be read again")
 
 
+# ---- hard cases ----
+
+
+def check_hard(folder):
+    ours = ("hard", *all_of_them, "--case", "bare_plane")
+    done = expect_exit(0, "", *ours, "--out", folder / "hard", "--json", folder / "hard.json")
+    (case,) = json.loads((folder / "hard.json").read_text())
+    expect(case["case"] == "bare_plane" and case["figures"] and all(f["holds"] for f in case["figures"]), case)
+    lines = done.stdout.splitlines()
+    expect([line.split()[0] for line in lines] == ["bare_plane"] * len(case["figures"]), done.stdout)
+    expect(all(line.endswith(" ok") for line in lines), done.stdout)
+    expect((folder / "hard" / "bare_plane.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n", "a picture of the worst pixel")
+    table = expect_exit(0, "", *ours, "--table").stdout.splitlines()
+    expect(table[1].startswith("|---") and len({line.count("|") for line in table}) == 1, table)
+    expect(len(table) == 2 + len(case["figures"]), table)
+    expect_exit(2, "offsets", "hard", "--case", "bare_plane,nowhere")
+    expect_exit(2, "--case", "hard", "--case", ",")
+    expect_exit(3, "no-such-device", *ours, "--device", "no-such-device")
+
+
 # ---- bench ----
 
 
@@ -335,6 +355,7 @@ with tempfile.TemporaryDirectory() as scratch:
     check_presets(folder, folder / "scene.gltf")
 
 
+    check_hard(folder)
     check_bench(folder, folder / "scene.gltf")
     check_lacks(folder, folder / "scene.gltf")
     check_written(folder, folder / "scene.gltf")

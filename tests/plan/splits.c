@@ -244,14 +244,22 @@ static void modes_follow_their_closed_forms(void **state) {
   }
 }
 
-/* Logarithms of what lies before the camera, whose near plane lies behind it. */
-static void split_near_gives_an_orthographic_camera_logarithms(void **state) {
+/* Its pixels are equally large everywhere, however far away it stands: from the near plane, or from split_near. */
+static void orthographic_ones_are_uniform_in_every_mode(void **state) {
   (void)state;
-  const test_camera camera = orthographic_camera();
-  csm_config config = split_config();
-  config.split_mode = CSM_SPLIT_LOGARITHMIC;
-  config.split_near = 5.0;
-  check_form(&config, &camera, logarithmic, 5.0);
+  random_state random = {4};
+  static const uint32_t modes[] = {CSM_SPLIT_UNIFORM, CSM_SPLIT_LOGARITHMIC, CSM_SPLIT_PRACTICAL};
+  for (int i = 0; i < 300; ++i) {
+    test_camera camera = orthographic_camera();
+    camera.near = i % 2 ? random_scale(&random, 0.01, 1.0) : -20.0;
+    camera.far = random_scale(&random, 10.0, 1e5);
+    csm_config config = split_config();
+    config.shadow_distance = random_scale(&random, 10.0, 1e5);
+    config.split_mode = modes[i % 3];
+    check_form(&config, &camera, uniform, camera.near);
+    config.split_near = 5.0;
+    check_form(&config, &camera, uniform, 5.0);
+  }
 }
 
 static void shares_are_of_the_way_to_the_end(void **state) {
@@ -288,7 +296,7 @@ int main(void) {
       cmocka_unit_test(a_near_plane_beyond_the_shadow_distance_means_no_shadows),
       cmocka_unit_test(needs_room_for_all_cascades),
       cmocka_unit_test(modes_follow_their_closed_forms),
-      cmocka_unit_test(split_near_gives_an_orthographic_camera_logarithms),
+      cmocka_unit_test(orthographic_ones_are_uniform_in_every_mode),
       cmocka_unit_test(shares_are_of_the_way_to_the_end),
   };
   return cmocka_run_group_tests_name("plan-splits", tests, NULL, NULL);
