@@ -190,7 +190,8 @@ typedef struct plan_anchor {
 /* What a frame hands to the next one. Zero is the first frame. */
 typedef struct plan_history {
   bool has_light, has_samples, has_bounds[CSM_MAX_CASCADES], has_casters_width;
-  double basis[9]; /* of the light that was drawn with */
+  double light[3]; /* the way it travels */
+  double basis[9]; /* that was drawn with; it may rest while the light moves on */
   plan_anchor anchors[CSM_MAX_CASCADES];
   double image[2];                             /* half of what stable fits are sized for along clip x and y: tangents
                                                   of a perspective camera, metres of an orthographic one; 0: none */
