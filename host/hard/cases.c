@@ -10,6 +10,9 @@ const hard_case *const hard_cases[] = {
     &hard_turned,
     &hard_formats,
     &hard_borders,
+    &hard_casters,
+    &hard_huge_ground,
+    &hard_far_orthographic,
     NULL,
 };
 /* clang-format on */

@@ -10,6 +10,9 @@ extern const hard_case hard_far_vertices;
 extern const hard_case hard_turned;
 extern const hard_case hard_formats;
 extern const hard_case hard_borders;
+extern const hard_case hard_casters;
+extern const hard_case hard_huge_ground;
+extern const hard_case hard_far_orthographic;
 
 /* In the order of the table; NULL ends it. */
 extern const hard_case *const hard_cases[];
