@@ -298,7 +298,8 @@ static double lost_share(const hard_truth *truth, const float *mask) {
   uint64_t dark = 0, lost = 0;
   for (size_t i = 0; i < (size_t)truth->view.width * truth->view.height; i++) {
     const truth_surface *surface = &truth->view.surfaces[i];
-    if (surface->triangle == TRUTH_NOTHING || surface->normal[1] < 0.99f || truth->visibility[i] >= 0.5f)
+    if (surface->triangle == TRUTH_NOTHING || surface->normal[1] < 0.99f || truth->visibility[i] >= 0.5f ||
+        surface->view_depth > truth->shadow_distance || truth->silhouette_squares[i] < 4)
       continue;
     dark++;
     lost += mask[i] > 254.0f / 255.0f;
