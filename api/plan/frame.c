@@ -114,6 +114,7 @@ static void cull(plan_frame *frame, fitted *fitted, const plan_frame_info *info,
   }
   if (shades_nothing(frame, info))
     return;
+    plan_rounding_origin(&fitted->areas[i].rounding, frame->basis, frame->origin);
   const plan_light_cull to = {
       .basis = frame->basis, .hull = &hull, .layers = info->light_layers, .areas = fitted->areas, .cache = info->cache};
   frame->to_light = (const double(*)[12])plan_cull_light(lists, &to, info->scene).transforms;

@@ -78,9 +78,9 @@ void plan_view_rotation_inverse(double out[9], const double view[16]);
 csm_result plan_light_make(double basis[9], double light[3], const plan_frame_info *info, const char **error);
 
 /* ---- what all cascades of a frame are fitted to ---- */
-/* Across the light: metres from the world's origin, along right and up. */
+/* In light space, metres from the world's origin. */
 typedef struct plan_span {
-  double low[2], high[2];
+  double low[3], high[3];
 } plan_span;
 
 typedef struct plan_fit_frame {
@@ -146,12 +146,13 @@ void plan_view_to_light(double out[3], const plan_camera *camera, const double b
 /* ---- fit ---- */
 /* Where a map lies in light space, before its casters are known. */
 typedef struct plan_fit {
-  double texel[2];  /* metres along right and up */
-  double anchor[3]; /* the point in light space from which texels and depth steps are counted, metres */
-  double place[2];  /* the number of texels that this point counts as */
-  double origin[2]; /* the map's beginning, in texels from the anchor */
-  double depth[2];  /* of the slice along the light, metres */
-  double step;      /* of depths that are rounded, metres */
+  double texel[2];   /* metres along right and up */
+  double anchor[3];  /* the point in light space from which texels and depth steps are counted, metres */
+  double place[2];   /* the number of texels that this point counts as */
+  double origin[2];  /* the map's beginning, in texels from the anchor */
+  double depth[2];   /* of the slice along the light, metres */
+  double casters[2]; /* where all casters begin and end along the light, if the map is narrowed to them */
+  double step;       /* of depths that are rounded, metres */
   uint32_t resolution;
 } plan_fit;
 
@@ -199,6 +200,8 @@ void plan_fit_place(plan_cascade *cascade, const plan_fit *fit, const plan_area 
 double plan_longest_range(const plan_fit *fit, const csm_config *config);
 /* Of a map, before its casters are known. */
 plan_rounding plan_rounding_begin(const plan_fit *fit, const csm_config *config);
+/* Notes the frame's origin, which shaders' positions are relative to: what they are off by grows with the way to it. */
+void plan_rounding_origin(plan_rounding *rounding, const double basis[9], const double origin[3]);
 /* Notes a caster, whose box in light space reaches as far as `end` along the light. */
 void plan_rounding_note(plan_rounding *rounding, const double basis[9], const plan_instance *instance,
                         const plan_bounds *bounds, double end);

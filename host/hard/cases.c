@@ -18,6 +18,9 @@ const hard_case *const hard_cases[] = {
     &hard_many,
     &hard_limits,
     &hard_settings,
+    &hard_casters,
+    &hard_huge_ground,
+    &hard_far_orthographic,
     NULL,
 };
 /* clang-format on */

@@ -18,6 +18,9 @@ extern const hard_case hard_degenerate;
 extern const hard_case hard_many;
 extern const hard_case hard_limits;
 extern const hard_case hard_settings;
+extern const hard_case hard_casters;
+extern const hard_case hard_huge_ground;
+extern const hard_case hard_far_orthographic;
 
 /* In the order of the table; NULL ends it. */
 extern const hard_case *const hard_cases[];
