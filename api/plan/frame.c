@@ -110,11 +110,11 @@ static void cull(plan_frame *frame, fitted *fitted, const plan_frame_info *info,
                    largest_texel(fitted->fits, frame->cascade_count) * plan_padding_texels(config));
   for (uint32_t i = 0; i < frame->cascade_count; ++i) {
     fitted->areas[i] = plan_fit_area(&fitted->fits[i], config, &box);
+    plan_rounding_origin(&fitted->areas[i].rounding, frame->basis, frame->origin);
     fitted->areas[i].first_caster = INFINITY;
   }
   if (shades_nothing(frame, info))
     return;
-    plan_rounding_origin(&fitted->areas[i].rounding, frame->basis, frame->origin);
   const plan_light_cull to = {
       .basis = frame->basis, .hull = &hull, .layers = info->light_layers, .areas = fitted->areas, .cache = info->cache};
   frame->to_light = (const double(*)[12])plan_cull_light(lists, &to, info->scene).transforms;
