@@ -90,6 +90,14 @@ static double largest_texel(const plan_fit *fits, uint32_t count) {
   return largest;
 }
 
+/* Whether nothing is asked for that a caster could shade: only where visibility is asked for no further than the camera
+ * sees. */
+static bool shades_nothing(const plan_frame *frame, const plan_frame_info *info) {
+  const double end = frame->cascades[frame->cascade_count - 1].info.far_depth;
+  return info->config->caster_set == CSM_CASTER_SET_VIEW && info->all_receivers &&
+         !plan_sees_receivers(&frame->camera, info->scene, end);
+}
+
 /* What each cascade draws, and where its casters begin. */
 static void cull(plan_frame *frame, fitted *fitted, const plan_frame_info *info, plan_lists *lists) {
   const csm_config *config = info->config;
@@ -100,8 +108,13 @@ static void cull(plan_frame *frame, fitted *fitted, const plan_frame_info *info,
   if (config->caster_set == CSM_CASTER_SET_VIEW)
     plan_view_hull(&hull, &frame->camera, frame->basis, frame->cascades[frame->cascade_count - 1].info.far_depth,
                    largest_texel(fitted->fits, frame->cascade_count) * plan_padding_texels(config));
-  for (uint32_t i = 0; i < frame->cascade_count; ++i)
+  for (uint32_t i = 0; i < frame->cascade_count; ++i) {
     fitted->areas[i] = plan_fit_area(&fitted->fits[i], config, &box);
+    plan_rounding_origin(&fitted->areas[i].rounding, frame->basis, frame->origin);
+    fitted->areas[i].first_caster = INFINITY;
+  }
+  if (shades_nothing(frame, info))
+    return;
   const plan_light_cull to = {
       .basis = frame->basis, .hull = &hull, .layers = info->light_layers, .areas = fitted->areas, .cache = info->cache};
   frame->to_light = (const double(*)[12])plan_cull_light(lists, &to, info->scene).transforms;
