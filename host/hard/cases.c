@@ -10,10 +10,14 @@ const hard_case *const hard_cases[] = {
     &hard_turned,
     &hard_formats,
     &hard_borders,
+    &hard_moving_camera,
+    &hard_moving_sun,
     &hard_depth_range,
+    &hard_projections,
     &hard_degenerate,
     &hard_many,
     &hard_limits,
+    &hard_settings,
     NULL,
 };
 /* clang-format on */
