@@ -151,7 +151,7 @@ plan_kept plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const 
 
 bool plan_casters_span(plan_span *out, const plan_light_cull *cull, const plan_scene *scene) {
   const plan_kept kept = plan_cache_fill(cull->cache, cull->basis, scene);
-  *out = (plan_span){.low = {INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY}};
+  *out = (plan_span){.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
   for (uint32_t slot = 0; slot < scene->slot_count; ++slot) {
     const uint32_t at = slot % PLAN_BLOCK;
     plan_light_block made;
@@ -161,7 +161,7 @@ bool plan_casters_span(plan_span *out, const plan_light_cull *cull, const plan_s
     const plan_instance *instance = &scene->instances[slot];
     if (!plan_casts(instance) || other_layers(instance, cull->layers) || outside_hull(cull->hull, block, at))
       continue;
-    for (int axis = 0; axis < 2; ++axis) {
+    for (int axis = 0; axis < 3; ++axis) {
       out->low[axis] = fmin(out->low[axis], block->low[axis][at]);
       out->high[axis] = fmax(out->high[axis], block->high[axis][at]);
     }
