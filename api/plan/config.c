@@ -143,7 +143,7 @@ static const config_entry entries[] = {
     ENTRY(light_step_texels, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 16.0,
           .default_value = 0.0, .unit = "texels",
           .about = "The light moves in steps, each of which shifts what lies a map's width away by so many texels; 0 "
-                   "lets it move freely."),
+                   "lets it move freely, as a slow light does where steps are short."),
     /* selection */
     ENTRY(selection, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = CSM_SELECT_BEST,
           .default_value = CSM_SELECT_MAP, .unit = "", .values = selections,

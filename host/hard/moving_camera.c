@@ -2,8 +2,8 @@
  * moving_camera.c: a camera that turns, creeps and zooms under a sun that stands still. Maps of fits whose size does not
  * follow from the view lie on a grid in the world, so that nothing may change but where a map's size makes a step.
  */
-#include "hard/hard.h"
 #include "base/host.h"
+#include "hard/hard.h"
 #include <math.h>
 #include <stdlib.h>
 
@@ -92,11 +92,11 @@ static camera_pose resized(const journey *on, uint32_t frame, double *aspect) {
   return still_pose();
 }
 
-/* An octave is 693 frames of 0.1 %, and may take four steps; the short form goes less than a quarter of it. */
+/* An octave is 693 frames of 0.1 %, and may take four steps; the short form goes a few frames of it. */
 static const motion motions[] = {
-    {"turning by 0.1 deg", turning, 24, 3600, 0},         {"moving by 0.01 texel", creeping, 12, 100, 0},
-    {"field of view less 0.1 %", zooming_in, 24, 693, 4}, {"field of view more 0.1 %", zooming_out, 24, 693, 4},
-    {"aspect more 0.1 %", widening, 24, 693, 4},          {"window narrower", resized, 12, 260, 4}};
+    {"turning by 0.1 deg", turning, 12, 3600, 0},         {"moving by 0.01 texel", creeping, 8, 100, 0},
+    {"field of view less 0.1 %", zooming_in, 12, 693, 4}, {"field of view more 0.1 %", zooming_out, 16, 693, 4},
+    {"aspect more 0.1 %", widening, 16, 693, 4},          {"window narrower", resized, 10, 260, 4}};
 enum { MOTIONS = sizeof motions / sizeof motions[0], FITS = sizeof fits / sizeof fits[0] };
 
 /* ---- what changes ---- */

@@ -95,7 +95,7 @@ typedef struct csm_config {
   uint32_t snap_power;      /* the grid is 2^snap_power texels wide; 0 to 4 */
   uint32_t light_roll;      /* CSM_LIGHT_ROLL_*: how maps are turned about the light */
   double light_step_texels; /* the light moves in steps, each of which shifts what lies a map's width away by so
-                               many texels; 0: it moves freely */
+                               many texels; 0: it moves freely, as a slow light does where steps are short */
 
   /* Selection: which cascade a point takes, and what lies at its end. */
   uint32_t selection;    /* CSM_SELECT_* */
