@@ -6,14 +6,40 @@
 #define GPU_CALLS_H
 
 #include "gpu.h"
+#include <fenv.h>
 
+/*
+ * Drivers, their compilers and the threads that they start compute as they like. Where a caller lets floating-point
+ * exceptions trap, they run without: what opens, creates or waits sees to it here, and whoever records holds the
+ * environment from gpu_begin to gpu_end, rather than anew for each draw.
+ */
 typedef struct gpu {
   const gpu_backend *api;
   gpu_device *device;
 } gpu;
 
+static inline csm_result gpu_query(const gpu_backend *api, const gpu_open_info *info, gpu_device_info *out) {
+  fenv_t floats;
+  feholdexcept(&floats);
+  const csm_result result = api->query(info, out);
+  fesetenv(&floats);
+  return result;
+}
+
+static inline csm_result gpu_open(const gpu_backend *api, const gpu_open_info *info, gpu *out) {
+  fenv_t floats;
+  feholdexcept(&floats);
+  out->api = api;
+  const csm_result result = api->open(info, &out->device);
+  fesetenv(&floats);
+  return result;
+}
+
 static inline void gpu_close(gpu g) {
+  fenv_t floats;
+  feholdexcept(&floats);
   g.api->close(g.device);
+  fesetenv(&floats);
 }
 
 static inline void gpu_describe(gpu g, gpu_device_info *out) {
@@ -21,7 +47,11 @@ static inline void gpu_describe(gpu g, gpu_device_info *out) {
 }
 
 static inline csm_result gpu_buffer_create(gpu g, const gpu_buffer_info *info, gpu_buffer **out) {
-  return g.api->buffer_create(g.device, info, out);
+  fenv_t floats;
+  feholdexcept(&floats);
+  const csm_result result = g.api->buffer_create(g.device, info, out);
+  fesetenv(&floats);
+  return result;
 }
 
 static inline void gpu_buffer_destroy(gpu g, gpu_buffer *buffer) {
@@ -33,7 +63,11 @@ static inline void *gpu_buffer_memory(gpu g, gpu_buffer *buffer) {
 }
 
 static inline csm_result gpu_image_create(gpu g, const gpu_image_info *info, gpu_image **out) {
-  return g.api->image_create(g.device, info, out);
+  fenv_t floats;
+  feholdexcept(&floats);
+  const csm_result result = g.api->image_create(g.device, info, out);
+  fesetenv(&floats);
+  return result;
 }
 
 static inline void gpu_image_destroy(gpu g, gpu_image *image) {
@@ -54,15 +88,27 @@ static inline void gpu_image_describe(gpu g, const gpu_image *image, uint64_t de
 
 static inline csm_result gpu_image_import(gpu g, const void *native, gpu_texels texels, gpu_image **out,
                                           gpu_imported *about) {
-  return g.api->image_import(g.device, native, texels, out, about);
+  fenv_t floats;
+  feholdexcept(&floats);
+  const csm_result result = g.api->image_import(g.device, native, texels, out, about);
+  fesetenv(&floats);
+  return result;
 }
 
 static inline csm_result gpu_geometry_import(gpu g, const void *native, gpu_geometry *out) {
-  return g.api->geometry_import(g.device, native, out);
+  fenv_t floats;
+  feholdexcept(&floats);
+  const csm_result result = g.api->geometry_import(g.device, native, out);
+  fesetenv(&floats);
+  return result;
 }
 
 static inline csm_result gpu_view_create(gpu g, const gpu_view_info *info, gpu_view **out) {
-  return g.api->view_create(g.device, info, out);
+  fenv_t floats;
+  feholdexcept(&floats);
+  const csm_result result = g.api->view_create(g.device, info, out);
+  fesetenv(&floats);
+  return result;
 }
 
 static inline void gpu_view_destroy(gpu g, gpu_view *view) {
@@ -70,7 +116,11 @@ static inline void gpu_view_destroy(gpu g, gpu_view *view) {
 }
 
 static inline csm_result gpu_target_create(gpu g, const gpu_target_info *info, gpu_target **out) {
-  return g.api->target_create(g.device, info, out);
+  fenv_t floats;
+  feholdexcept(&floats);
+  const csm_result result = g.api->target_create(g.device, info, out);
+  fesetenv(&floats);
+  return result;
 }
 
 static inline void gpu_target_destroy(gpu g, gpu_target *target) {
@@ -78,11 +128,19 @@ static inline void gpu_target_destroy(gpu g, gpu_target *target) {
 }
 
 static inline csm_result gpu_target_native(gpu g, gpu_format depth, gpu_format color, gpu_native_target *out) {
-  return g.api->target_native(g.device, depth, color, out);
+  fenv_t floats;
+  feholdexcept(&floats);
+  const csm_result result = g.api->target_native(g.device, depth, color, out);
+  fesetenv(&floats);
+  return result;
 }
 
 static inline csm_result gpu_program_create(gpu g, const gpu_program_info *info, gpu_program **out) {
-  return g.api->program_create(g.device, info, out);
+  fenv_t floats;
+  feholdexcept(&floats);
+  const csm_result result = g.api->program_create(g.device, info, out);
+  fesetenv(&floats);
+  return result;
 }
 
 static inline void gpu_program_destroy(gpu g, gpu_program *program) {
@@ -90,7 +148,11 @@ static inline void gpu_program_destroy(gpu g, gpu_program *program) {
 }
 
 static inline csm_result gpu_bindings_create(gpu g, const gpu_bindings_info *info, gpu_bindings **out) {
-  return g.api->bindings_create(g.device, info, out);
+  fenv_t floats;
+  feholdexcept(&floats);
+  const csm_result result = g.api->bindings_create(g.device, info, out);
+  fesetenv(&floats);
+  return result;
 }
 
 static inline void gpu_bindings_write(gpu g, gpu_bindings *bindings, const gpu_bindings_info *info) {
@@ -181,11 +243,19 @@ static inline csm_result gpu_end(gpu g) {
 }
 
 static inline csm_result gpu_wait(gpu g, uint32_t slot) {
-  return g.api->wait(g.device, slot);
+  fenv_t floats;
+  feholdexcept(&floats);
+  const csm_result result = g.api->wait(g.device, slot);
+  fesetenv(&floats);
+  return result;
 }
 
 static inline csm_result gpu_timestamps(gpu g, uint32_t slot, uint32_t first, uint32_t count, uint64_t *nanoseconds) {
-  return g.api->timestamps(g.device, slot, first, count, nanoseconds);
+  fenv_t floats;
+  feholdexcept(&floats);
+  const csm_result result = g.api->timestamps(g.device, slot, first, count, nanoseconds);
+  fesetenv(&floats);
+  return result;
 }
 
 #endif

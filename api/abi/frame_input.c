@@ -1,7 +1,5 @@
 #include "abi/frame_input.h"
 
-#include <math.h>
-
 static csm_result check_recording(csm_context *context, const csm_frame *frame, bool draws) {
   host *host = &context->host;
   const bool own = context_device(context)->own;
@@ -36,7 +34,7 @@ static csm_result read_light(csm_context *context, frame_input *out) {
   if (result)
     return result;
   const double diameter = out->light.angular_diameter;
-  if (!isfinite(diameter))
+  if (!plan_finite(&out->light.angular_diameter, 1))
     return host_fail(host, CSM_ERROR_NOT_FINITE, "csm_light: angular_diameter is not finite");
   if (diameter < 0 || diameter > 1)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_light: angular_diameter is not from 0 to 1");

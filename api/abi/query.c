@@ -80,7 +80,7 @@ static void describe_backend(const char *name, csm_backend_info *out) {
   out->result = loader_open(&library, name, out->error, sizeof out->error);
   copy_text(out->path, sizeof out->path, library.path);
   if (!out->result)
-    out->result = library.backend->query(&open, &device);
+    out->result = gpu_query(library.backend, &open, &device);
   if (!out->result) {
     loader_keep(&library); /* the names in the lists are its own */
     out->device_type = device.type;

@@ -58,10 +58,9 @@ static csm_result open_backend(device *device, const device_open_info *info) {
       .error = text,
       .error_size = sizeof text,
   };
-  const csm_result result = info->backend->open(&open, &device->gpu.device);
+  const csm_result result = gpu_open(info->backend, &open, &device->gpu);
   if (result)
     return host_fail(device->host, result, "%s", text[0] ? text : csm_result_name(result));
-  device->gpu.api = info->backend;
   gpu_describe(device->gpu, &device->info);
   return CSM_SUCCESS;
 }

@@ -131,6 +131,7 @@ struct device {
   uint64_t serial;           /* of the newest frame */
   uint64_t done;             /* frames up to this one are done */
   next_frame prepared;
+  fenv_t floats; /* the caller's, while a recording is open: see gpu_calls.h */
   frame_slot slots[DEVICE_MAX_SLOTS];
   retired *retired, *retired_last; /* oldest first; the last one is there if any is */
 

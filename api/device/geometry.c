@@ -2,6 +2,7 @@
 
 #include "device/uploads.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { part_alignment = 16, position_bytes = 12, uv_bytes = 8 };
@@ -59,12 +60,71 @@ static void write_positions(float *to, const void *positions, uint32_t stride, u
   }
 }
 
-static void write_mesh(char *memory, const csm_mesh_info *info, const layout *layout, const double *offset) {
+static void read_corner(double out[3], const csm_mesh_info *info, uint32_t corner) {
+  const char *at = (const char *)info->indices + (size_t)corner * info->index_size;
+  uint32_t wide;
+  uint16_t narrow;
+  float p[3];
+  memcpy(&wide, at, info->index_size == 4 ? sizeof wide : 0);
+  memcpy(&narrow, at, sizeof narrow);
+  const uint32_t index = info->index_size == 4 ? wide : narrow;
+  memcpy(p, (const char *)info->positions + (size_t)index * info->position_stride, sizeof p);
+  for (int axis = 0; axis < 3; ++axis)
+    out[axis] = p[axis];
+}
+
+static double larger(double a, double b) {
+  return fabs(a) > b ? fabs(a) : b;
+}
+
+/*
+ * Whether a triangle is a line or a point, which covers nothing; yet a rasteriser, which rounds its corners, would find
+ * texels in it. What one corner's rounding to a float, 2^-24 of each coordinate, makes of a line counts as one. The area
+ * is looked at in each plane of two axes, so that a scale along an axis changes nothing.
+ */
+static bool has_no_area(const csm_mesh_info *info, uint32_t first_corner) {
+  const double float_rounding = 0x1p-24, double_rounding = 0x1p-50;
+  double corners[3][3], reach[3] = {0.0, 0.0, 0.0}, edge[3] = {0.0, 0.0, 0.0};
+  for (uint32_t i = 0; i < 3; ++i)
+    read_corner(corners[i], info, first_corner + i);
+  for (int i = 0; i < 3; ++i)
+    for (int axis = 0; axis < 3; ++axis) {
+      reach[axis] = larger(corners[i][axis], reach[axis]);
+      edge[axis] = larger(corners[(i + 1) % 3][axis] - corners[i][axis], edge[axis]);
+    }
+  bool none = true;
+  for (int x = 0; x < 3; ++x) {
+    const int y = (x + 1) % 3;
+    const double left = (corners[1][x] - corners[0][x]) * (corners[2][y] - corners[0][y]);
+    const double right = (corners[1][y] - corners[0][y]) * (corners[2][x] - corners[0][x]);
+    none = none && fabs(left - right) <= float_rounding * (reach[x] * edge[y] + reach[y] * edge[x]) +
+                                             double_rounding * (fabs(left) + fabs(right));
+  }
+  return none;
+}
+
+/* Triangles that have an area first, then the others. Gives the number of indices of the first. */
+static uint32_t write_indices(char *to, const csm_mesh_info *info) {
+  const size_t bytes = 3 * (size_t)info->index_size;
+  char *first = to, *last = to + (size_t)info->index_count * info->index_size;
+  uint32_t with_area = 0;
+  for (uint32_t i = 0; i < info->index_count; i += 3) {
+    const bool none = has_no_area(info, i);
+    last -= none ? bytes : 0;
+    memcpy(none ? last : first, (const char *)info->indices + (size_t)i * info->index_size, bytes);
+    first += none ? 0 : bytes;
+    with_area += none ? 0 : 3;
+  }
+  return with_area;
+}
+
+/* Gives the number of indices to draw. */
+static uint32_t write_mesh(char *memory, const csm_mesh_info *info, const layout *layout, const double *offset) {
   write_positions((float *)memory, info->positions, info->position_stride, info->vertex_count, offset);
   for (uint32_t i = 0; i < info->vertex_count && info->alpha_mask; ++i)
     memcpy(memory + layout->uvs + (size_t)i * uv_bytes, (const char *)info->uvs + (size_t)i * info->uv_stride,
            uv_bytes);
-  memcpy(memory + layout->indices, info->indices, (size_t)info->index_count * info->index_size);
+  return write_indices(memory + layout->indices, info);
 }
 
 static csm_result add_copied(device *device, const csm_mesh_info *info, const double *offset, geometry_place *place,
@@ -76,13 +136,14 @@ static csm_result add_copied(device *device, const csm_mesh_info *info, const do
     result = uploads_write(device, place->piece, layout.size, &memory);
   if (result)
     return result;
-  write_mesh(memory, info, &layout, offset);
+  const uint32_t index_count = write_mesh(memory, info, &layout, offset);
   const page_piece *piece = place->piece;
   *mesh = (mesh_place){.vertices = piece->page->buffer,
                        .indices = piece->page->buffer,
                        .vertex_offset = piece->offset,
                        .index_offset = piece->offset + layout.indices,
-                       .uv_offset = piece->offset + layout.uvs};
+                       .uv_offset = piece->offset + layout.uvs,
+                       .index_count = index_count};
   return CSM_SUCCESS;
 }
 
@@ -105,7 +166,8 @@ static csm_result add_engines(device *device, const csm_mesh_info *info, geometr
                        .indices = engine->indices,
                        .vertex_offset = engine->vertex_offset,
                        .index_offset = engine->index_offset,
-                       .uv_offset = engine->uv_offset};
+                       .uv_offset = engine->uv_offset,
+                       .index_count = info->index_count};
   return CSM_SUCCESS;
 }
 
@@ -151,7 +213,6 @@ static csm_result add_shape(device *device, const csm_mesh_info *info, const mes
   csm_result result = cut_out->mask ? add_cut_out(device, cut_out, info->alpha_cutoff, place) : CSM_SUCCESS;
   if (!result) /* last: a shape never goes */
     result = device_shape(device, vertices, &mesh->shape);
-  mesh->index_count = info->index_count;
   mesh->index_size = info->index_size;
   mesh->two_sided = info->flags & CSM_MESH_TWO_SIDED;
   mesh->watertight = info->flags & CSM_MESH_WATERTIGHT && !cut_out->mask;
@@ -180,14 +241,16 @@ csm_result geometry_add(device *device, uint32_t index, const csm_mesh_info *inf
   return CSM_SUCCESS;
 }
 
-csm_result geometry_update(device *device, uint32_t index, const csm_mesh_update_info *info, uint32_t vertex_count,
+csm_result geometry_update(device *device, uint32_t index, const csm_mesh_update_info *info, const csm_mesh_info *shape,
                            const double *offset) {
+  const uint64_t size = (uint64_t)shape->vertex_count * position_bytes;
   void *memory;
-  const csm_result result =
-      uploads_write(device, device->geometry.places[index]->piece, (uint64_t)vertex_count * position_bytes, &memory);
-  if (!result)
-    write_positions(memory, info->positions, info->position_stride, vertex_count, offset);
-  return result;
+  const csm_result result = uploads_write(device, device->geometry.places[index]->piece, size, &memory);
+  if (result)
+    return result;
+  write_positions(memory, info->positions, info->position_stride, shape->vertex_count, offset);
+  device->geometry.meshes[index].index_count = shape->index_count; /* what had no area may have one now */
+  return CSM_SUCCESS;
 }
 
 bool geometry_is_engines(const device *device, uint32_t index) {
@@ -215,7 +278,7 @@ void geometry_destroy(device *device) {
     if (geometry->places[i])
       place_free(device, &geometry->places[i]->retired);
   uploads_destroy(device);
-  pages_destroy(device);
+  pages_free_empty(device); /* all of them */
   host_release(device->host, geometry->places);
   host_release(device->host, geometry->meshes);
 }

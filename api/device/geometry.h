@@ -16,15 +16,15 @@ typedef struct mesh_cut_out {
 csm_result geometry_reserve(device *device, uint32_t capacity);
 /*
  * Places a checked mesh below the capacity: copies it to staging, or takes in an engine's buffers. Positions are stored
- * less `offset`, of three doubles.
+ * less `offset`, of three doubles. Triangles of a copied mesh that have no area are not drawn until it is updated.
  */
 csm_result geometry_add(device *device, uint32_t index, const csm_mesh_info *info, const double *offset,
                         const mesh_cut_out *cut_out);
 /*
- * Gives a copied mesh other positions, less another offset. Frames that were recorded before draw what they had: the
+ * Gives a copied mesh of that shape other positions, less another offset. Frames that were recorded before draw what they had: the
  * next recording copies them, in the queue's order. Errors: those of device_buffer, OUT_OF_MEMORY.
  */
-csm_result geometry_update(device *device, uint32_t index, const csm_mesh_update_info *info, uint32_t vertex_count,
+csm_result geometry_update(device *device, uint32_t index, const csm_mesh_update_info *info, const csm_mesh_info *shape,
                            const double *offset);
 /* Whether a mesh lies in an engine's own buffers. */
 bool geometry_is_engines(const device *device, uint32_t index);

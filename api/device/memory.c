@@ -1,4 +1,4 @@
-#include "device/device.h"
+#include "device/pages.h"
 
 enum { row_alignment = 256 };
 
@@ -8,22 +8,37 @@ static uint64_t budget(device *device) {
   return host->budget ? host->budget(host->user) : gpu_memory_available(device->gpu);
 }
 
+/* Whether so much may be taken on top of what is held. */
+static bool fits(device *device, uint64_t size, uint64_t limit) {
+  return size <= limit && device->memory_used <= limit - size && size <= budget(device);
+}
+
+/* Lets go of what nobody has any more. On an own device that may take waiting for the frames that used it last. */
+static void make_room(device *device) {
+  if (!device->lost)
+    (void)recording_finish(device); /* who needs the device will be told of its loss */
+  retire_collect(device);
+  pages_free_empty(device);
+}
+
 /* Drivers may accept more than they say that they can hold (lavapipe does), so limits are asked first. */
 static csm_result check_memory(device *device, const char *name, uint64_t size, uint64_t largest) {
   host *host = device->host;
-  retire_collect(device); /* who makes and frees without drawing would else hold all that until a frame */
   const uint64_t limit = device->memory_limit ? device->memory_limit : device->info.memory_size;
-  const uint64_t available = budget(device);
   if (size > largest)
     return host_fail(host, CSM_ERROR_LIMIT_EXCEEDED, "%s takes %llu bytes, the device allows %llu in one piece", name,
                      (unsigned long long)size, (unsigned long long)largest);
-  if (size > limit || device->memory_used > limit - size)
+  retire_collect(device); /* who makes and frees without drawing would else hold all that until a frame */
+  if (!fits(device, size, limit))
+    make_room(device);
+  if (fits(device, size, limit))
+    return CSM_SUCCESS;
+  const uint64_t left = limit > device->memory_used ? limit - device->memory_used : 0;
+  if (size > left)
     return host_fail(host, CSM_ERROR_LIMIT_EXCEEDED, "%s takes %llu bytes; %llu of %llu are in use", name,
                      (unsigned long long)size, (unsigned long long)device->memory_used, (unsigned long long)limit);
-  if (size > available)
-    return host_fail(host, CSM_ERROR_LIMIT_EXCEEDED, "%s takes %llu bytes; the budget leaves %llu", name,
-                     (unsigned long long)size, (unsigned long long)available);
-  return CSM_SUCCESS;
+  return host_fail(host, CSM_ERROR_LIMIT_EXCEEDED, "%s takes %llu bytes; the budget leaves %llu", name,
+                   (unsigned long long)size, (unsigned long long)budget(device));
 }
 
 csm_result device_buffer(device *device, const gpu_buffer_info *info, gpu_buffer **out) {

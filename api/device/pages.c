@@ -33,6 +33,7 @@ static page_piece **find_free(page *page, uint64_t size) {
 }
 
 csm_result pages_take(device *device, uint64_t size, page_piece **out) {
+  retire_collect(device); /* what is free by now serves before a new page */
   page *from = device->geometry.pages;
   while (from && !*find_free(from, size))
     from = from->next;
@@ -80,12 +81,17 @@ void pages_give_back(device *device, page_piece *piece) {
     join(device, before);
 }
 
-void pages_destroy(device *device) {
-  while (device->geometry.pages) {
-    page *gone = device->geometry.pages;
-    device->geometry.pages = gone->next;
-    device_buffer_free(device, gone->buffer, gone->size);
-    host_release(device->host, gone->free);
-    host_release(device->host, gone);
+void pages_free_empty(device *device) {
+  page **link = &device->geometry.pages;
+  while (*link) {
+    page *page = *link;
+    if (!page->free || page->free->size < page->size) {
+      link = &page->next;
+      continue;
+    }
+    *link = page->next;
+    device_buffer_free(device, page->buffer, page->size);
+    host_release(device->host, page->free);
+    host_release(device->host, page);
   }
 }

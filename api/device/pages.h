@@ -26,7 +26,7 @@ typedef struct page {
 csm_result pages_take(device *device, uint64_t size, page_piece **out);
 /* The GPU is done with it. */
 void pages_give_back(device *device, page_piece *piece);
-/* Every piece has been given back. */
-void pages_destroy(device *device);
+/* Frees pages of which every piece has been given back. */
+void pages_free_empty(device *device);
 
 #endif

@@ -72,9 +72,12 @@ csm_result recording_prepare(device *device, uint64_t frame, uint64_t ring_size,
 csm_result recording_begin(device *device, void *native) {
   const next_frame *next = &device->prepared;
   const gpu_record_info info = {.slot = next->slot, .native = native, .first = next->fresh};
+  feholdexcept(&device->floats);
   const csm_result result = device_check(device, gpu_begin(device->gpu, &info), "beginning a recording");
-  if (result)
+  if (result) {
+    fesetenv(&device->floats);
     return result;
+  }
   frame_slot *slot = &device->slots[next->slot];
   if (next->fresh)
     slot->stamps = slot->timing_count = 0;
@@ -87,6 +90,7 @@ csm_result recording_begin(device *device, void *native) {
 
 csm_result recording_end(device *device) {
   const csm_result result = gpu_end(device->gpu);
+  fesetenv(&device->floats);
   if (!result)
     return CSM_SUCCESS;
   /* What was recorded is gone, uploads among it: there is no way back to what was. */

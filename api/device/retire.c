@@ -11,16 +11,11 @@ void retire(device *device, retired *thing, void (*destroy)(struct device *, ret
   device->retired_last = thing;
 }
 
+/* Serials never fall, so the first that is not done ends it. */
 void retire_collect(device *device) {
-  retired **link = &device->retired;
-  while (*link) {
-    retired *thing = *link;
-    if (thing->serial <= device->done) {
-      *link = thing->next;
-      thing->destroy(device, thing);
-    } else {
-      device->retired_last = thing;
-      link = &thing->next;
-    }
+  while (device->retired && device->retired->serial <= device->done) {
+    retired *thing = device->retired;
+    device->retired = thing->next;
+    thing->destroy(device, thing);
   }
 }

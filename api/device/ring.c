@@ -1,6 +1,8 @@
 #include "device/device.h"
 
 enum { smallest = 1 << 16 };
+/* Constants are bound at offsets of 32 bits. */
+static const uint64_t largest = UINT32_MAX - RING_ALIGNMENT + 1;
 
 static void ring_free(device *device, retired *self) {
   ring_buffer *ring = (ring_buffer *)self;
@@ -28,6 +30,10 @@ static csm_result ring_create(device *device, uint64_t size, ring_buffer **out) 
 /* A ring that is too small gives way to one that holds all that the frame has asked for so far, and more. */
 csm_result ring_reserve(device *device, frame_slot *slot, uint64_t size, ring_range *range) {
   const uint64_t used = slot->ring ? slot->ring->used : 0;
+  if (size > largest - used)
+    return host_fail(device->host, CSM_ERROR_LIMIT_EXCEEDED,
+                     "the frame takes %llu bytes; it may take %llu: there are too many instances",
+                     (unsigned long long)(used + size), (unsigned long long)largest);
   if (!slot->ring || slot->ring->size - used < size) {
     ring_buffer *ring;
     const csm_result result = ring_create(device, used + size, &ring);

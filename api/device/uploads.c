@@ -9,6 +9,7 @@ struct staging {
   struct staging *next;
   gpu_buffer *buffer;
   uint64_t size, used;
+  uint32_t uploads;    /* that lie in it and wait */
   uint64_t idle_since; /* in frames */
 };
 
@@ -30,6 +31,7 @@ static void staging_done(device *device, retired *self) {
   struct staging *staging = (struct staging *)self;
   uploads *uploads = &device->geometry.uploads;
   staging->used = 0;
+  staging->uploads = 0;
   staging->idle_since = uploads->frames;
   staging->next = uploads->idle;
   uploads->idle = staging;
@@ -132,6 +134,7 @@ csm_result uploads_write(device *device, page_piece *to, uint64_t size, void **m
     uploads->items[uploads->count] = (struct upload){.to = to, .from = from, .offset = from->used, .size = size};
     to->upload = ++uploads->count;
     from->used += size;
+    ++from->uploads;
   }
   *memory = upload_memory(device, &uploads->items[to->upload - 1]);
   return CSM_SUCCESS;
@@ -142,11 +145,16 @@ void uploads_drop(device *device, page_piece *to) {
   if (!to->upload)
     return;
   struct upload *gone = &uploads->items[to->upload - 1];
+  struct staging *from = gone->from, **link = &uploads->filling;
   *gone = uploads->items[--uploads->count];
   gone->to->upload = to->upload;
   to->upload = 0;
-  if (!uploads->count) /* no recording has seen this staging */
-    free_list(device, &uploads->filling);
+  if (--from->uploads)
+    return;
+  while (*link != from)
+    link = &(*link)->next;
+  *link = from->next; /* no recording has seen this staging */
+  staging_free(device, from);
 }
 
 void uploads_record(device *device) {

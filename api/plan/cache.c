@@ -50,6 +50,8 @@ size_t plan_cache_size(uint32_t slot_count) {
 
 static plan_kept find_kept(const plan_cache *cache) {
   plan_light_block *blocks = cache->memory;
+  if (!blocks) /* a scene that has had no instances */
+    return (plan_kept){0};
   return (plan_kept){.blocks = blocks, .transforms = (double(*)[12])(void *)(blocks + blocks_of(cache->slots))};
 }
 

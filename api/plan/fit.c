@@ -88,10 +88,10 @@ static void box_extent(extent *out, const plan_fit_frame *frame, const double in
 
 /* False: numbers too large to plan with. */
 static bool slice_extent(extent *out, const plan_fit_frame *frame, const double depths[2]) {
-  const double exact[2] = {1.0, 1.0};
   const bool stable = is_sphere(frame->config) || is_square(frame->config);
-  double corners[8][3], inverse[9];
-  if (!plan_slice_corners(corners, frame->camera, stable ? frame->wider : exact, depths))
+  double corners[8][3], inverse[9], own[2];
+  plan_image(own, frame->camera);
+  if (!plan_slice_corners(corners, frame->camera, stable ? frame->image : own, depths))
     return false;
   plan_view_rotation_inverse(inverse, frame->camera->view);
   if (is_sphere(frame->config))

@@ -119,6 +119,17 @@ bool plan_finite(const double *values, uint32_t count) {
   return plan_within(values, count, DBL_MAX);
 }
 
+bool plan_finite_floats(const float *values, uint32_t count) {
+  const uint32_t exponent = 0x7f800000u;
+  bool finite = true;
+  for (uint32_t i = 0; i < count; ++i) {
+    uint32_t bits;
+    memcpy(&bits, &values[i], sizeof bits);
+    finite = finite && (bits & exponent) != exponent;
+  }
+  return finite;
+}
+
 /* By their bits, which a comparison of NaN would raise an exception for: those of positive numbers rise with them. */
 bool plan_within(const double *values, uint32_t count, double most) {
   uint64_t limit, largest = 0;

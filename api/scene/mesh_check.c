@@ -12,7 +12,7 @@ static csm_result find_bounds(host *host, const void *positions, uint32_t stride
     float p[3];
     memcpy(p, next, sizeof p);
     for (int axis = 0; axis < 3; ++axis) {
-      if (!isfinite(p[axis]))
+      if (!plan_finite_floats(&p[axis], 1))
         return host_fail(host, CSM_ERROR_NOT_FINITE, "position %u of the mesh is not finite", i);
       low[axis] = fminf(low[axis], p[axis]);
       high[axis] = fmaxf(high[axis], p[axis]);
@@ -23,12 +23,11 @@ static csm_result find_bounds(host *host, const void *positions, uint32_t stride
 }
 
 static csm_result take_bounds(host *host, const float low[3], const float high[3], plan_bounds *bounds) {
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!isfinite(low[axis]) || !isfinite(high[axis]))
-      return host_fail(host, CSM_ERROR_NOT_FINITE, "the mesh's bounds are not finite");
+  if (!plan_finite_floats(low, 3) || !plan_finite_floats(high, 3))
+    return host_fail(host, CSM_ERROR_NOT_FINITE, "the mesh's bounds are not finite");
+  for (int axis = 0; axis < 3; ++axis)
     if (low[axis] > high[axis])
       return host_fail(host, CSM_ERROR_INVALID_VALUE, "the mesh's bounds_min is above its bounds_max");
-  }
   plan_bounds_in_place(bounds, low, high);
   return CSM_SUCCESS;
 }
@@ -87,7 +86,7 @@ static csm_result check_uvs(host *host, const csm_mesh_info *info) {
   for (uint32_t i = 0; i < info->vertex_count; ++i, next += info->uv_stride) {
     float uv[2];
     memcpy(uv, next, sizeof uv);
-    if (!isfinite(uv[0]) || !isfinite(uv[1]))
+    if (!plan_finite_floats(uv, 2))
       return host_fail(host, CSM_ERROR_NOT_FINITE, "uv %u of the mesh is not finite", i);
   }
   return CSM_SUCCESS;
@@ -101,8 +100,9 @@ static csm_result check_cut_out(const assets *assets, csm_mesh_info *info) {
   if (handles_find(&assets->alpha_masks.handles, info->alpha_mask) == UINT32_MAX)
     return host_fail(assets->host, CSM_ERROR_INVALID_HANDLE, "the mesh's alpha mask %llx does not exist",
                      (unsigned long long)info->alpha_mask);
-  if (!(info->alpha_cutoff > 0 && info->alpha_cutoff <= 1))
-    return host_fail(assets->host, isfinite(info->alpha_cutoff) ? CSM_ERROR_INVALID_VALUE : CSM_ERROR_NOT_FINITE,
+  const bool finite = plan_finite_floats(&info->alpha_cutoff, 1);
+  if (!finite || info->alpha_cutoff <= 0 || info->alpha_cutoff > 1)
+    return host_fail(assets->host, finite ? CSM_ERROR_INVALID_VALUE : CSM_ERROR_NOT_FINITE,
                      "the mesh's alpha_cutoff is not above 0 and up to 1");
   return info->positions ? check_uvs(assets->host, info) : CSM_SUCCESS; /* geometry_add checks an engine's own */
 }

@@ -169,7 +169,7 @@ csm_result mesh_update(assets *assets, csm_mesh mesh, const csm_mesh_update_info
     result = mesh_check_update(assets, index, &own, &bounds);
   const uint32_t count = result ? 0 : meshes->infos[index].vertex_count;
   if (!result && own.positions)
-    result = geometry_update(assets->device, index, &own, count, bounds.offset);
+    result = geometry_update(assets->device, index, &own, &meshes->infos[index], bounds.offset);
   if (result)
     return result;
   if (meshes->copies[index])

@@ -25,6 +25,8 @@ void draw_list(gpu gpu, const draw_list_info *info) {
   for (uint32_t i = 0; i < info->list->draw_count; ++i) {
     const plan_draw *draw = &info->list->draws[i];
     const mesh_place *mesh = &info->meshes[draw->mesh];
+    if (!mesh->index_count)
+      continue;
     gpu_program *program = info->programs[draw_cull(info, draw)][mesh->shape];
     if (program != current) {
       current = program;

@@ -17,7 +17,11 @@ static int config_command(const host_options *options) {
   csm_config config;
   if (!options->preset && !options->config_file)
     return output_json_to_stdout(config_describe_json());
-  const int code = config_load(&config, options->preset, options->config_file, NAN);
+  int code = config_load(&config, options->preset, options->config_file, NAN);
+  csm_config checked = config;
+  checked.shadow_distance = isnan(config.shadow_distance) ? 100.0 : config.shadow_distance;
+  if (code == 0)
+    code = config_check(&checked, options->config_file ? "--config" : "--preset");
   if (code)
     return code;
   json_t *object = config_to_json(&config);

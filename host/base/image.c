@@ -76,13 +76,17 @@ static void mean_of_pixels(const uint8_t *rgba, size_t count, float mean[3]) {
     mean[c] = weight > 0.0 ? (float)(sum[c] / weight) : 1.0f;
 }
 
+enum { LARGEST_SIDE = 16384 };
+
 /* Four bytes a pixel, for the caller to free; NULL if it cannot be read. */
 static uint8_t *decode_png(const void *data, uint64_t size, uint32_t *width, uint32_t *height) {
   spng_ctx *png = spng_ctx_new(0);
   struct spng_ihdr header = {0};
   size_t bytes = 0;
   uint8_t *pixels = NULL;
-  int error = png ? spng_set_png_buffer(png, data, size) : SPNG_EMEM;
+  int error = png ? spng_set_image_limits(png, LARGEST_SIDE, LARGEST_SIDE) : SPNG_EMEM;
+  if (!error)
+    error = spng_set_png_buffer(png, data, size);
   if (!error)
     error = spng_get_ihdr(png, &header);
   if (!error)

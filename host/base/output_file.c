@@ -1,5 +1,6 @@
 #include "base/output_file.h"
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -26,6 +27,16 @@ static const char *place(output_file *out, const char *path, mode_t *mode) {
   return NULL;
 }
 
+/* A file that is made here: what a link of that name leads to is not written to. */
+static FILE *make_partial(const char *path) {
+  remove(path);
+  const int file = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  FILE *stream = file >= 0 ? fdopen(file, "wb") : NULL;
+  if (file >= 0 && !stream)
+    close(file);
+  return stream;
+}
+
 const char *output_file_open(output_file *out, const char *path) {
   mode_t mode = 0;
   *out = (output_file){0};
@@ -33,7 +44,7 @@ const char *output_file_open(output_file *out, const char *path) {
   if (problem)
     return problem;
   interrupt_hold_begin(&out->hold);
-  out->stream = fopen(out->partial[0] ? out->partial : out->path, "wb");
+  out->stream = out->partial[0] ? make_partial(out->partial) : fopen(out->path, "wb");
   if (!out->stream) {
     problem = strerror(errno);
     interrupt_hold_end(&out->hold);

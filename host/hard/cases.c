@@ -10,6 +10,14 @@ const hard_case *const hard_cases[] = {
     &hard_turned,
     &hard_formats,
     &hard_borders,
+    &hard_moving_camera,
+    &hard_moving_sun,
+    &hard_depth_range,
+    &hard_projections,
+    &hard_degenerate,
+    &hard_many,
+    &hard_limits,
+    &hard_settings,
     &hard_casters,
     &hard_huge_ground,
     &hard_far_orthographic,
@@ -17,7 +25,8 @@ const hard_case *const hard_cases[] = {
 };
 /* clang-format on */
 
-const hard_case *hard_case_find(const char *name) {
+/* NULL after a message. */
+static const hard_case *find(const char *name) {
   char names[1024] = "";
   for (const hard_case *const *at = hard_cases; *at; at++) {
     if (strcmp((*at)->name, name) == 0)
@@ -27,4 +36,18 @@ const hard_case *hard_case_find(const char *name) {
   }
   host_fail(HOST_BAD_INPUT, "--case: no case is called '%s' (%s)", name, names);
   return NULL;
+}
+
+int hard_cases_choose(const hard_case *chosen[OPTIONS_MAX_CASES], uint32_t *count, const host_options *options) {
+  *count = 0;
+  if (options->case_count == 1 && strcmp(options->cases[0], "none") == 0)
+    return 0;
+  for (uint32_t i = 0; i < options->case_count; i++) {
+    chosen[i] = find(options->cases[i]);
+    if (!chosen[i])
+      return HOST_BAD_INPUT;
+  }
+  for (*count = options->case_count; options->case_count == 0 && hard_cases[*count]; (*count)++)
+    chosen[*count] = hard_cases[*count];
+  return 0;
 }

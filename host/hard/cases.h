@@ -10,6 +10,14 @@ extern const hard_case hard_far_vertices;
 extern const hard_case hard_turned;
 extern const hard_case hard_formats;
 extern const hard_case hard_borders;
+extern const hard_case hard_moving_camera;
+extern const hard_case hard_moving_sun;
+extern const hard_case hard_depth_range;
+extern const hard_case hard_projections;
+extern const hard_case hard_degenerate;
+extern const hard_case hard_many;
+extern const hard_case hard_limits;
+extern const hard_case hard_settings;
 extern const hard_case hard_casters;
 extern const hard_case hard_huge_ground;
 extern const hard_case hard_far_orthographic;
@@ -17,7 +25,10 @@ extern const hard_case hard_far_orthographic;
 /* In the order of the table; NULL ends it. */
 extern const hard_case *const hard_cases[];
 
-/* NULL after a message that lists the names there are. */
-const hard_case *hard_case_find(const char *name);
+/*
+ * Those that the options name; all if they name none; none of them if that is what they say. 0, or HOST_BAD_INPUT after
+ * a message that lists the names there are.
+ */
+int hard_cases_choose(const hard_case *chosen[OPTIONS_MAX_CASES], uint32_t *count, const host_options *options);
 
 #endif

@@ -13,7 +13,16 @@
 /* ---- figures ---- */
 
 bool hard_figure_holds(const hard_figure *figure) {
-  return figure->value <= figure->bound || figure->bound == INFINITY;
+  return figure->value <= figure->bound;
+}
+
+/* What is no number is worst; then what is farthest over its bound, for bounds may follow from what was drawn. */
+static bool is_worse(const hard_figure *a, const hard_figure *b) {
+  if (isnan(a->value) || isnan(b->value))
+    return isnan(a->value);
+  if (a->bound == INFINITY && b->bound == INFINITY)
+    return a->value > b->value;
+  return a->value - a->bound > b->value - b->bound;
 }
 
 void hard_figure_add(hard_run *run, double value, double bound, const char *unit, const char *format, ...) {
@@ -26,8 +35,7 @@ void hard_figure_add(hard_run *run, double value, double bound, const char *unit
     hard_figure *old = &run->figures[i];
     if (strcmp(old->what, figure.what) != 0)
       continue;
-    /* What is farthest over its bound: bounds may follow from what was drawn. */
-    if (!(value - bound <= old->value - old->bound) || (bound == INFINITY && value > old->value))
+    if (is_worse(&figure, old))
       *old = figure;
     return;
   }
@@ -38,8 +46,20 @@ void hard_figure_add(hard_run *run, double value, double bound, const char *unit
 /* ---- one case ---- */
 
 int hard_run_case(hard_run *out, const hard_case *which, const host_options *options) {
+  const double begun_ms = host_now_ms();
   *out = (hard_run){.options = options, .hard_case = which, .sweep = options->sweep, .worst = {.severity = -1.0}};
-  return which->run(out);
+  host_progress(which->name);
+  const int code = which->run(out);
+  host_progress("");
+  out->seconds = (host_now_ms() - begun_ms) * 1e-3;
+  return code;
+}
+
+bool hard_run_holds(const hard_run *run) {
+  for (size_t i = 0; i < run->figure_count; i++)
+    if (!hard_figure_holds(&run->figures[i]))
+      return false;
+  return true;
 }
 
 void hard_run_close(hard_run *run) {
@@ -55,18 +75,26 @@ void hard_run_close(hard_run *run) {
 /* ---- telling ---- */
 
 static void print_figures(FILE *to, const hard_run *run, bool markdown) {
+  if (markdown)
+    fprintf(to, "**%s**: %s\n\n| figure | value | bound | unit | |\n|---|---|---|---|---|\n", run->hard_case->name,
+            run->hard_case->about);
   for (size_t i = 0; i < run->figure_count; i++) {
     const hard_figure *figure = &run->figures[i];
-    const char *verdict = figure->bound == INFINITY ? "stated" : hard_figure_holds(figure) ? "ok" : "BROKEN";
+    const char *verdict = !hard_figure_holds(figure) ? "BROKEN" : figure->bound == INFINITY ? "stated" : "ok";
     char bound[32] = "-";
     if (figure->bound != INFINITY)
       snprintf(bound, sizeof bound, "%.4g", figure->bound);
-    fprintf(to, markdown ? "| %s | %s | %.4g | %s | %s | %s |\n" : "%-14s %-64s %10.4g  %10s %-7s %s\n",
-            run->hard_case->name, figure->what, figure->value, bound, figure->unit, verdict);
+    if (markdown)
+      fprintf(to, "| %s | %.4g | %s | %s | %s |\n", figure->what, figure->value, bound, figure->unit, verdict);
+    else
+      fprintf(to, "%-14s %-64s %10.4g  %10s %-7s %s\n", run->hard_case->name, figure->what, figure->value, bound,
+              figure->unit, verdict);
   }
+  if (markdown)
+    fputc('\n', to);
 }
 
-static json_t *case_to_json(const hard_run *run, double seconds) {
+json_t *hard_run_to_json(const hard_run *run) {
   json_t *object = json_object(), *figures = json_array();
   for (size_t i = 0; i < run->figure_count; i++) {
     const hard_figure *figure = &run->figures[i];
@@ -77,7 +105,7 @@ static json_t *case_to_json(const hard_run *run, double seconds) {
   }
   json_object_set_new(object, "case", json_string(run->hard_case->name));
   json_object_set_new(object, "about", json_string(run->hard_case->about));
-  json_object_set_new(object, "seconds", json_real(seconds));
+  json_object_set_new(object, "seconds", json_real(run->seconds));
   json_object_set_new(object, "figures", figures);
   return object;
 }
@@ -97,33 +125,18 @@ static int save_worst(const hard_run *run, const char *folder) {
 
 /* ---- the command ---- */
 
-static int choose(const hard_case *chosen[OPTIONS_MAX_CASES], uint32_t *count, const host_options *options) {
-  *count = options->case_count;
-  for (uint32_t i = 0; i < options->case_count; i++) {
-    chosen[i] = hard_case_find(options->cases[i]);
-    if (!chosen[i])
-      return HOST_BAD_INPUT;
-  }
-  for (; options->case_count == 0 && hard_cases[*count]; (*count)++)
-    chosen[*count] = hard_cases[*count];
-  return 0;
-}
-
 static int run_and_tell(const hard_case *which, const host_options *options, json_t *told) {
   hard_run run;
-  const double begun_ms = host_now_ms();
-  host_progress(which->name);
   int code = hard_run_case(&run, which, options);
-  host_progress("");
   if (code == 0) {
     print_figures(output_table(options), &run, options->markdown);
     fflush(output_table(options));
-    json_array_append_new(told, case_to_json(&run, (host_now_ms() - begun_ms) * 1e-3));
+    json_array_append_new(told, hard_run_to_json(&run));
   }
   if (code == 0 && options->has_out)
     code = save_worst(&run, options->out);
-  for (size_t i = 0; code == 0 && i < run.figure_count; i++)
-    code = hard_figure_holds(&run.figures[i]) ? 0 : HOST_DIFFER;
+  if (code == 0 && !hard_run_holds(&run))
+    code = HOST_DIFFER;
   hard_run_close(&run);
   return code;
 }
@@ -133,11 +146,9 @@ int hard_command(const host_options *options) {
   uint32_t count = 0;
   bool broken = false;
   json_t *told = json_array();
-  int code = choose(chosen, &count, options);
+  int code = hard_cases_choose(chosen, &count, options);
   if (code == 0 && options->has_out)
     code = host_make_folder(options->out);
-  if (code == 0 && options->markdown)
-    fprintf(output_table(options), "| case | what | value | bound | unit | |\n|---|---|---|---|---|---|\n");
   for (uint32_t i = 0; code == 0 && i < count; i++) {
     code = run_and_tell(chosen[i], options, told);
     broken = broken || code == HOST_DIFFER;

@@ -9,6 +9,19 @@
 
 #define MASK_STEP (1.0 / 255.0)
 
+/* Fits whose sizes do not change with a move, and ways to reach along the light. */
+typedef struct variant {
+  uint32_t fit_mode, depth_mode, snap_mode;
+  const char *name;
+} variant;
+
+static const variant variants[] = {
+    {CSM_FIT_MINIMUM_SPHERE, CSM_DEPTH_CASTERS, CSM_SNAP_ROUND, "default"},
+    {CSM_FIT_CENTROID_SPHERE, CSM_DEPTH_SLICE, CSM_SNAP_FLOOR, "centroid sphere, slice"},
+    {CSM_FIT_CASCADE_SQUARE, CSM_DEPTH_SCENE, CSM_SNAP_ROUND, "cascade square, scene"},
+    {CSM_FIT_SCENE_SQUARE, CSM_DEPTH_SCENE_CLIPPED, CSM_SNAP_FLOOR, "scene square, scene clipped"}};
+enum { VARIANTS = sizeof variants / sizeof variants[0] };
+
 typedef struct yard {
   host_setup setup;
   hard_picture drawn;
@@ -22,7 +35,7 @@ static void yard_free(hard_run *run, yard *y) {
 }
 
 /* Draws the yard, moved. */
-static int yard_draw(yard *out, hard_run *run, const double offset[3], uint32_t resolution, uint32_t wanted) {
+static int yard_draw(yard *out, hard_run *run, const variant *how, const double offset[3], uint32_t resolution) {
   double moved[16];
   mat_identity(moved);
   for (int axis = 0; axis < 3; axis++)
@@ -30,12 +43,15 @@ static int yard_draw(yard *out, hard_run *run, const double offset[3], uint32_t 
   hard_setup_begin(&out->setup, 320, 180);
   hard_yard(&out->setup, true);
   out->setup.config.resolution = resolution;
+  out->setup.config.fit_mode = how->fit_mode;
+  out->setup.config.depth_mode = how->depth_mode;
+  out->setup.config.snap_mode = how->snap_mode;
   out->setup.config.blend_mode = CSM_BLEND_OFF; /* with the next cascade, which moves by other texels than its own */
   hard_place(&out->setup, moved);
   out->drawn = (hard_picture){0};
   int code = hard_load(run, &out->setup);
   if (code == 0)
-    code = hard_draw(run, &out->setup.camera, &out->setup.light, wanted, &out->drawn);
+    code = hard_draw(run, &out->setup.camera, &out->setup.light, HARD_CASCADES, &out->drawn);
   return code ? code : hard_bind(run, &out->binding);
 }
 
@@ -109,14 +125,14 @@ static double changed_share(const hard_picture *a, const hard_picture *b, uint32
   return pixels ? (double)changed / (double)pixels : 1.0;
 }
 
-static int move_by_texels(hard_run *run, const yard *still, double distance) {
+static int move_by_texels(hard_run *run, const yard *still, const variant *how, double distance) {
   int code = 0;
   for (uint32_t cascade = 0; code == 0 && cascade < still->binding.cascade_count; cascade++) {
     const csm_cascade_info *info = &still->binding.cascades[cascade];
     yard moved;
     journey way;
     plan_journey(&way, info, distance);
-    code = yard_draw(&moved, run, way.offset, 1024, HARD_CASCADES);
+    code = yard_draw(&moved, run, how, way.offset, 1024);
     if (code == 0) {
       double farthest = 0.0;
       for (int axis = 0; axis < 3; axis++)
@@ -124,9 +140,9 @@ static int move_by_texels(hard_run *run, const yard *still, double distance) {
       const double ulp = nextafter(farthest, INFINITY) - farthest;
       /* The bound: what a double knows of the place, four times over, beside a millionth of a texel. */
       hard_figure_add(run, plan_error(still, &moved, cascade, &way), 1e-6 + 4.0 * ulp / info->texel_size, "texels",
-                      "plan after whole texels, %.0e m", distance);
+                      "plan after whole texels, %s", how->name);
       hard_figure_add(run, changed_share(&still->drawn, &moved.drawn, cascade), 1e-4, "1",
-                      "mask pixels that change then, %.0e m", distance);
+                      "mask pixels that change then, %s", how->name);
       hard_compare(run, &still->drawn, &moved.drawn, MASK_STEP);
     }
     yard_free(run, &moved);
@@ -139,7 +155,7 @@ static int move_by_texels(hard_run *run, const yard *still, double distance) {
 /* The root mean square error against the truth at the origin, for the scene is the same wherever it lies. */
 static int draw_error(hard_run *run, hard_truth *truth, const double offset[3], double *rms) {
   yard moved;
-  int code = yard_draw(&moved, run, offset, 512, 0);
+  int code = yard_draw(&moved, run, &variants[0], offset, 512);
   if (code == 0 && !truth->visibility)
     code = hard_cast(run, &moved.setup.camera, &moved.setup.light, truth);
   if (code == 0)
@@ -179,15 +195,20 @@ static int move_by_anything(hard_run *run) {
   return code;
 }
 
-static int run_case(hard_run *run) {
+static int move_variant(hard_run *run, const variant *how) {
   yard still;
-  int code = yard_draw(&still, run, (const double[3]){0.0, 0.0, 0.0}, 1024, HARD_CASCADES);
+  int code = yard_draw(&still, run, how, (const double[3]){0.0, 0.0, 0.0}, 1024);
   for (int power = 3; code == 0 && power <= 7; power += run->sweep ? 1 : 2)
-    code = move_by_texels(run, &still, pow(10.0, power));
-  if (code == 0)
-    code = move_by_anything(run);
+    code = move_by_texels(run, &still, how, pow(10.0, power));
   yard_free(run, &still);
   return code;
+}
+
+static int run_case(hard_run *run) {
+  int code = 0;
+  for (int i = 0; code == 0 && i < (run->sweep ? VARIANTS : 1); i++)
+    code = move_variant(run, &variants[i]);
+  return code ? code : move_by_anything(run);
 }
 
 const hard_case hard_offsets = {

@@ -1,6 +1,7 @@
 #include "report/report.h"
 #include "base/host.h"
 #include "base/interrupt.h"
+#include "report/hard_cases.h"
 #include "report/machine.h"
 #include "report/one_scene.h"
 #include "report/page.h"
@@ -19,8 +20,10 @@ typedef struct report {
   uint32_t name_count;
   report_scene scenes[OPTIONS_MAX_SCENES]; /* finished: results alone are kept */
   uint32_t scene_count;
-  json_t *head;        /* what does not belong to one scene */
-  json_t *full, *page; /* each scene, as report.json and as the page has it */
+  json_t *head;                  /* what does not belong to one scene */
+  json_t *full, *page;           /* each scene, as report.json and as the page has it */
+  json_t *full_hard, *page_hard; /* likewise, of hard cases */
+  bool broken;                   /* a figure of a hard case does not hold */
   double begun_ms;
 } report;
 
@@ -97,20 +100,21 @@ static json_t *judge_all(const report *r) {
   return object;
 }
 
-static json_t *with_scenes(const report *r, json_t *scenes) {
+static json_t *with_scenes(const report *r, json_t *scenes, json_t *hard) {
   json_t *object = json_copy(r->head);
   json_object_set_new(object, "seconds", json_real((host_now_ms() - r->begun_ms) * 1e-3));
   json_object_set_new(object, "load_at_end", report_machine_load());
   json_object_set_new(object, "all", judge_all(r));
   json_object_set(object, "scenes", scenes);
+  json_object_set(object, "hard", hard);
   return object;
 }
 
 /* After each scene, so that what is done is there whatever comes. */
 static int write_all(const report *r) {
-  json_t *page = with_scenes(r, r->page), *full = with_scenes(r, r->full);
   interrupt_hold hold;
   interrupt_hold_begin(&hold);
+  json_t *page = with_scenes(r, r->page, r->page_hard), *full = with_scenes(r, r->full, r->full_hard);
   int code = report_page_write(r->options->out, page);
   if (code == 0)
     code = report_json_write(r->options->out, full);
@@ -157,7 +161,7 @@ static int choose_scenes(report *r) {
                      r->name_count);
   if (options->camera_path || options->light_path || options->dump)
     return host_fail(HOST_BAD_INPUT, "report: takes no --camera-path, --light-path or --dump");
-  return 0;
+  return report_hard_check(options);
 }
 
 /* The oaks' files may not be there; unless they were asked for, that is no error. */
@@ -196,7 +200,12 @@ static bool any_differs(const report *r) {
 
 int report_command(const host_options *options) {
   report *r = host_allocate(1, sizeof *r);
-  *r = (report){.options = options, .begun_ms = host_now_ms(), .full = json_array(), .page = json_array()};
+  *r = (report){.options = options,
+                .begun_ms = host_now_ms(),
+                .full = json_array(),
+                .page = json_array(),
+                .full_hard = json_array(),
+                .page_hard = json_array()};
   make_head(r);
   int code = choose_scenes(r);
   if (code == 0)
@@ -206,17 +215,23 @@ int report_command(const host_options *options) {
     if (code == 0)
       code = write_all(r);
   }
+  if (code == 0)
+    code = report_hard_run(r->full_hard, r->page_hard, &r->broken, options);
+  if (code == 0)
+    code = write_all(r);
   if (code == 0) {
     fprintf(output_table(options), "page: %s/report.html\n", options->out);
-    code = output_json(options, with_scenes(r, r->full));
+    code = output_json(options, with_scenes(r, r->full, r->full_hard));
   }
-  if (code == 0 && any_differs(r))
+  if (code == 0 && (r->broken || any_differs(r)))
     code = HOST_DIFFER;
   for (uint32_t i = 0; i < OPTIONS_MAX_SCENES; i++)
     report_scene_free(&r->scenes[i]);
   json_decref(r->head);
   json_decref(r->full);
   json_decref(r->page);
+  json_decref(r->full_hard);
+  json_decref(r->page_hard);
   free(r);
   return code;
 }

@@ -161,6 +161,8 @@ static float *copy_uvs(const struct aiVector3D *from, uint32_t count) {
 }
 
 static int check_mesh(const loader *l, const struct aiMesh *mesh) {
+  if (mesh->mMaterialIndex >= l->file->mNumMaterials)
+    return host_fail(HOST_BAD_INPUT, "'%s': mesh '%s' has a material out of range", l->path, mesh->mName.data);
   for (uint32_t v = 0; v < mesh->mNumVertices; v++)
     if (!isfinite(mesh->mVertices[v].x) || !isfinite(mesh->mVertices[v].y) || !isfinite(mesh->mVertices[v].z))
       return host_fail(HOST_BAD_INPUT, "'%s': mesh '%s' has a position that is not finite", l->path, mesh->mName.data);

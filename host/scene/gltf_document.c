@@ -1,5 +1,6 @@
 #include "scene/gltf_document.h"
 #include "base/host.h"
+#include <ctype.h>
 #include <errno.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -65,15 +66,111 @@ static const char *unread_extension(const json_t *document) {
   return NULL;
 }
 
+/* ---- what a file may name ---- */
+
+static int hex_digit(char c) {
+  const char *digits = "0123456789abcdef", *at = c ? strchr(digits, tolower((unsigned char)c)) : NULL;
+  return at ? (int)(at - digits) : -1;
+}
+
+/* Undoes percent-encoding. `to` has room for the text. */
+static void decode(char *to, const char *from) {
+  for (; *from; from++) {
+    const int high = *from == '%' ? hex_digit(from[1]) : -1, low = high >= 0 ? hex_digit(from[2]) : -1;
+    *to++ = low >= 0 ? (char)(high * 16 + low) : *from;
+    from += low >= 0 ? 2 : 0;
+  }
+  *to = '\0';
+}
+
+/* Whether a name leads to anywhere but beside the scene or below it. */
+static bool leads_away(const char *name) {
+  if (name[0] == '/' || name[0] == '\\' || strchr(name, ':'))
+    return true;
+  for (const char *part = name; part; part = strpbrk(part, "/\\")) {
+    part += part > name;
+    if (strncmp(part, "..", 2) == 0 && (part[2] == '\0' || part[2] == '/' || part[2] == '\\'))
+      return true;
+  }
+  return false;
+}
+
+/* Of a file that is there: a device or a pipe would be read for ever. */
+static bool is_no_file(const char *scene, const char *name) {
+  char path[4096];
+  struct stat status;
+  const char *slash = strrchr(scene, '/');
+  snprintf(path, sizeof path, "%.*s%s", slash ? (int)(slash - scene + 1) : 0, scene, name);
+  return stat(path, &status) == 0 && !S_ISREG(status.st_mode);
+}
+
+static bool check_name(const char *path, const char *uri) {
+  char *name = host_allocate(strlen(uri) + 1, 1);
+  decode(name, uri);
+  const bool away = leads_away(uri) || leads_away(name);
+  const bool good = !away && !is_no_file(path, name) && !is_no_file(path, uri);
+  if (!good)
+    host_fail(HOST_BAD_INPUT, "the scene '%s' names '%.200s', which is %s", path, uri,
+              away ? "neither beside it nor below it" : "no file");
+  free(name);
+  return good;
+}
+
+/* Assimp crashes where an image in the text does not say what it is. */
+static bool check_data(const char *path, const char *uri, bool image) {
+  const bool good = !image || strncmp(uri, "data:image/", 11) == 0;
+  if (!good)
+    host_fail(HOST_BAD_INPUT, "the scene '%s' has an image that does not say what it is", path);
+  return good;
+}
+
+static bool check_names(const char *path, const json_t *document) {
+  static const char *const kinds[] = {"buffers", "images"};
+  bool good = true;
+  for (int kind = 0; kind < 2; kind++) {
+    size_t index;
+    json_t *element;
+    json_array_foreach(json_object_get(document, kinds[kind]), index, element) {
+      const char *uri = json_string_value(json_object_get(element, "uri"));
+      if (good && uri)
+        good = strncmp(uri, "data:", 5) == 0 ? check_data(path, uri, kind == 1) : check_name(path, uri);
+    }
+  }
+  return good;
+}
+
+/* Assimp crashes where a skin leaves out its matrices, which glTF allows. */
+static bool has_bare_skin(const json_t *document) {
+  size_t index;
+  json_t *skin;
+  json_array_foreach(json_object_get(document, "skins"), index, skin) {
+    if (!json_object_get(skin, "inverseBindMatrices"))
+      return true;
+  }
+  return false;
+}
+
+static const char *walk_nodes(const json_t *document, uint64_t *triangles);
+
 static bool check(const char *path, const json_t *document) {
   const char *extension = unread_extension(document);
-  if (!json_is_object(json_object_get(document, "asset")))
+  uint64_t triangles;
+  if (!json_is_object(json_object_get(document, "asset"))) {
     host_fail(HOST_BAD_INPUT, "the scene '%s' is not glTF: it has no 'asset'", path);
-  else if (extension)
+    return false;
+  }
+  if (extension) {
     host_fail(HOST_BAD_INPUT, "the scene '%s' needs %s, which is not read here", path, extension);
-  else
-    return true;
-  return false;
+    return false;
+  }
+  if (has_bare_skin(document)) {
+    host_fail(HOST_BAD_INPUT, "the scene '%s' has a skin without inverseBindMatrices, which is not read here", path);
+    return false;
+  }
+  const char *problem = walk_nodes(document, &triangles);
+  if (problem)
+    host_fail(HOST_BAD_INPUT, "the scene '%s' %s", path, problem);
+  return !problem && check_names(path, document);
 }
 
 json_t *gltf_document_load(const char *path) {
@@ -102,7 +199,7 @@ json_t *gltf_document_load(const char *path) {
 
 typedef struct counter {
   const json_t *document;
-  bool *seen_nodes, *seen_meshes;
+  bool *seen_meshes;
   uint64_t triangles;
 } counter;
 
@@ -144,24 +241,55 @@ static void count_mesh(counter *c, const json_t *index) {
   }
 }
 
-static void count_nodes(counter *c, const json_t *indices) {
-  size_t i;
-  json_t *index;
-  json_array_foreach(indices, i, index) {
-    if (!first_visit(c->seen_nodes, json_array_size(json_object_get(c->document, "nodes")), index))
+/* Nodes of which some children are still to be walked. */
+enum { DEEPEST = 513 }; /* the roots, and 512 below each other */
+
+typedef struct walk {
+  const json_t *children;
+  size_t next;
+} walk;
+
+/* Each node once, as a tree is walked, without recursion. Returns what is wrong with the tree, or NULL. */
+static const char *walk_tree(counter *c, bool *seen, const json_t *roots) {
+  const size_t count = json_array_size(json_object_get(c->document, "nodes"));
+  walk stack[DEEPEST] = {{.children = roots}};
+  size_t depth = 1;
+  while (depth > 0) {
+    walk *top = &stack[depth - 1];
+    const json_t *index = json_array_get(top->children, top->next++);
+    const size_t at = (size_t)json_integer_value(index);
+    if (!index) {
+      depth--;
       continue;
+    }
+    if (!json_is_integer(index) || at >= count)
+      return "names a node that it does not have";
+    if (seen[at])
+      return "has a node with two parents";
+    seen[at] = true;
     const json_t *node = element(c->document, "nodes", index);
     count_mesh(c, json_object_get(node, "mesh"));
-    count_nodes(c, json_object_get(node, "children"));
+    if (depth == DEEPEST)
+      return "has more than 512 nodes one below the other";
+    stack[depth++] = (walk){.children = json_object_get(node, "children")};
   }
+  return NULL;
+}
+
+static const char *walk_nodes(const json_t *document, uint64_t *triangles) {
+  counter c = {.document = document};
+  bool *seen = host_allocate(json_array_size(json_object_get(document, "nodes")), sizeof *seen);
+  c.seen_meshes = host_allocate(json_array_size(json_object_get(document, "meshes")), sizeof *c.seen_meshes);
+  const json_t *scene = element(document, "scenes", json_object_get(document, "scene"));
+  const char *problem = walk_tree(&c, seen, json_object_get(scene, "nodes"));
+  free(seen);
+  free(c.seen_meshes);
+  *triangles = c.triangles;
+  return problem;
 }
 
 uint64_t gltf_document_triangles(const json_t *document) {
-  counter c = {.document = document};
-  c.seen_nodes = host_allocate(json_array_size(json_object_get(document, "nodes")), sizeof(bool));
-  c.seen_meshes = host_allocate(json_array_size(json_object_get(document, "meshes")), sizeof(bool));
-  count_nodes(&c, json_object_get(element(document, "scenes", json_object_get(document, "scene")), "nodes"));
-  free(c.seen_nodes);
-  free(c.seen_meshes);
-  return c.triangles;
+  uint64_t triangles;
+  walk_nodes(document, &triangles);
+  return triangles;
 }

@@ -34,6 +34,9 @@ static int read_uint(void *to, const char *from, const char *key, const json_t *
 }
 
 static int read_enum(void *to, const char *from, const csm_config_field *field, const json_t *value) {
+  const json_int_t number = json_integer_value(value);
+  if (json_is_integer(value) && (number < 0 || (double)number > field->maximum))
+    return host_fail(HOST_BAD_INPUT, "%s: '%s' has no value %" JSON_INTEGER_FORMAT, from, field->name, number);
   if (json_is_integer(value))
     return read_uint(to, from, field->name, value);
   if (!json_is_string(value))
@@ -93,6 +96,29 @@ int config_read(csm_config *config, const char *from, json_t *object) {
                                      : host_fail(HOST_BAD_INPUT, "%s: unknown key '%s'", from, key);
   }
   return code;
+}
+
+static int check_field(const csm_config *config, const char *from, const csm_config_field *field) {
+  const void *at = (const char *)config + field->offset;
+  const bool doubles = field->type == CSM_FIELD_DOUBLE || field->type == CSM_FIELD_DOUBLES;
+  for (uint32_t i = 0; i < field->length; i++) {
+    const double value = doubles ? ((const double *)at)[i] : ((const uint32_t *)at)[i];
+    if (!(value >= field->minimum && value <= field->maximum))
+      return host_fail(HOST_BAD_INPUT, "%s: '%s' is %g, which is not %g to %g", from, field->name, value,
+                       field->minimum, field->maximum);
+  }
+  return 0;
+}
+
+int config_check(const csm_config *config, const char *from) {
+  csm_config_field field;
+  uint64_t size = 0;
+  int code = 0;
+  for (uint32_t i = 0; code == 0 && describe(i, &field); i++)
+    code = check_field(config, from, &field);
+  const csm_result result = code ? CSM_SUCCESS : csm_shader_defines(config, NULL, &size);
+  return result ? host_fail(HOST_BAD_INPUT, "%s: its values contradict each other: %s", from, csm_result_name(result))
+                : code;
 }
 
 int config_load(csm_config *out, const char *preset, const char *path, double shadow_distance) {

@@ -14,6 +14,9 @@ int config_load(csm_config *out, const char *preset, const char *path, double sh
 /* What an object says, over what `config` holds. `from` begins messages. 0, or HOST_BAD_INPUT as above. */
 int config_read(csm_config *config, const char *from, json_t *object);
 
+/* Whether the library would take it. 0, or HOST_BAD_INPUT after a message. */
+int config_check(const csm_config *config, const char *from);
+
 /* A new object with every field's value. Enumerations by name. */
 json_t *config_to_json(const csm_config *config);
 

@@ -2,10 +2,12 @@
 #include "base/host.h"
 #include "base/output_file.h"
 #include <errno.h>
+#include <fcntl.h>
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* Changed whenever the same input casts to something else. */
@@ -88,31 +90,82 @@ static bool file_name(char path[5000], const truth_store *store, uint64_t key) {
   return store->folder[0] != '\0';
 }
 
-static bool load(truth_store *store, uint64_t key, void *data, size_t size) {
+/* A file that lies in the folder itself: no link that leads elsewhere, no pipe that would be waited for. */
+static FILE *open_kept(const char *path) {
+  struct stat status;
+  const int file = open(path, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (file < 0)
+    return NULL;
+  FILE *stream = fstat(file, &status) == 0 && S_ISREG(status.st_mode) ? fdopen(file, "rb") : NULL;
+  if (!stream)
+    close(file);
+  return stream;
+}
+
+/* Whether data can be an answer: the checksum of a file that somebody forged is right, too. */
+typedef bool (*sound)(const truth_store *store, const void *data, size_t size);
+
+static bool load(truth_store *store, uint64_t key, void *data, size_t size, sound sound) {
   char path[5000];
   file_header header = {0};
-  FILE *file = file_name(path, store, key) ? fopen(path, "rb") : NULL;
+  FILE *file = file_name(path, store, key) ? open_kept(path) : NULL;
   if (!file)
     return false;
   const bool whole = fread(&header, sizeof header, 1, file) == 1 && memcmp(header.magic, magic, sizeof magic) == 0 &&
                      header.key == key && header.size == size && fread(data, 1, size, file) == size &&
-                     header.check == hash_bytes(HASH_START, data, size);
+                     header.check == hash_bytes(HASH_START, data, size) && sound(store, data, size);
   fclose(file);
   store->loaded += whole;
   return whole;
 }
 
-/* What cannot be kept is cast again. */
+/* What cannot be kept is cast again. A link or a pipe in a file's place goes. */
 static void keep(truth_store *store, uint64_t key, const void *data, size_t size) {
   char path[5000];
+  struct stat status;
   output_file file;
-  if (!file_name(path, store, key) || output_file_open(&file, path))
+  if (!file_name(path, store, key))
+    return;
+  if (lstat(path, &status) == 0 && !S_ISREG(status.st_mode))
+    remove(path);
+  if (output_file_open(&file, path))
     return;
   file_header header = {.key = key, .size = size, .check = hash_bytes(HASH_START, data, size)};
   memcpy(header.magic, magic, sizeof magic);
   fwrite(&header, sizeof header, 1, file.stream);
   fwrite(data, 1, size, file.stream);
   output_file_close(&file, NULL);
+}
+
+/* ---- what answers can be ---- */
+
+static bool sound_triangles(const truth_store *store, const void *data, size_t size) {
+  const uint32_t *triangles = data;
+  bool good = true;
+  for (size_t i = 0; i < size / sizeof *triangles; i++)
+    good = good && (triangles[i] == TRUTH_NOTHING || triangles[i] < store->triangles);
+  return good;
+}
+
+static bool sound_visibility(const truth_store *store, const void *data, size_t size) {
+  (void)store;
+  const size_t count = (size - sizeof(truth_convergence)) / sizeof(float);
+  bool good = true;
+  for (size_t i = 0; i < count; i++) {
+    float share;
+    memcpy(&share, (const uint8_t *)data + i * sizeof share, sizeof share);
+    good = good && share >= 0.0f && share <= 1.0f;
+  }
+  return good;
+}
+
+static bool sound_seen(const truth_store *store, const void *data, size_t size) {
+  (void)store;
+  const uint8_t *seen = data;
+  bool good = true;
+  for (size_t i = 0; i < size; i++)
+    good = good && seen[i] <= 1;
+  return good;
 }
 
 /* ---- store ---- */
@@ -129,7 +182,7 @@ static void take_default_folder(truth_store *store) {
 }
 
 int truth_store_open(truth_store *out, const scene *s, bool alpha_test, const char *folder) {
-  *out = (truth_store){.scene_hash = hash_scene(s, alpha_test)};
+  *out = (truth_store){.scene_hash = hash_scene(s, alpha_test), .triangles = scene_triangles(s)};
   out->caster = truth_create(s, alpha_test);
   if (!folder) {
     take_default_folder(out);
@@ -158,7 +211,7 @@ int truth_store_view(truth_store *store, const truth_view *view) {
   const uint64_t key = hash_view(store, view, "view");
   uint32_t *triangles = host_allocate(pixels, sizeof *triangles);
   int code = 0;
-  if (!load(store, key, triangles, pixels * sizeof *triangles)) {
+  if (!load(store, key, triangles, pixels * sizeof *triangles, sound_triangles)) {
     const double begun = host_now_ms();
     code = truth_find(store->caster, view->camera, view->width, view->height, triangles);
     note_cast(store, begun);
@@ -180,7 +233,7 @@ int truth_store_visibility(truth_store *store, const truth_view *view, const tru
   const uint64_t key = hash_bytes(hash_view(store, view, "sun"), numbers, sizeof numbers);
   uint8_t *data = host_allocate(bytes + sizeof *convergence, 1);
   int code = 0;
-  if (load(store, key, data, bytes + sizeof *convergence)) {
+  if (load(store, key, data, bytes + sizeof *convergence, sound_visibility)) {
     memcpy(visibility, data, bytes);
     memcpy(convergence, data + bytes, sizeof *convergence);
   } else {
@@ -199,7 +252,7 @@ int truth_store_visibility(truth_store *store, const truth_view *view, const tru
 int truth_store_seen(truth_store *store, const truth_view *view, const camera *other, uint8_t *seen) {
   const size_t bytes = (size_t)view->width * view->height;
   const uint64_t key = hash_camera(hash_view(store, view, "seen"), other);
-  if (load(store, key, seen, bytes))
+  if (load(store, key, seen, bytes, sound_seen))
     return 0;
   const double begun = host_now_ms();
   const int code = truth_seen(store->caster, view, other, seen);

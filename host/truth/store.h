@@ -7,7 +7,7 @@
 typedef struct truth_store {
   truth *caster;
   char folder[4096]; /* "": nothing is kept */
-  uint64_t scene_hash;
+  uint64_t scene_hash, triangles;
   double cast_ms;        /* spent on casting rays, since the store was opened */
   uint32_t cast, loaded; /* answers that were cast, and that were found */
 } truth_store;

@@ -285,6 +285,49 @@ static void the_memory_limit_is_kept(void **state) {
   support_close(context, &record); /* the cascades go with it */
 }
 
+/* A mesh of nine megabytes, made and freed. */
+static void come_and_go(csm_context *context) {
+  enum { INDICES = 3 * 786432 };
+  static const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+  static uint32_t indices[INDICES];
+  const csm_mesh_info info = {.struct_size = sizeof info,
+                              .positions = corners,
+                              .vertex_count = 3,
+                              .indices = indices,
+                              .index_count = INDICES,
+                              .index_size = 4};
+  csm_mesh mesh;
+  assert_int_equal(csm_mesh_create(context, &info, &mesh), CSM_SUCCESS);
+  assert_int_equal(csm_mesh_destroy(context, mesh), CSM_SUCCESS);
+}
+
+/* No recording comes by that would free what they leave; one mesh waits for it all the while. */
+static void meshes_that_go_leave_room(void **state) {
+  (void)state;
+  record record = {0};
+  csm_create_info info = support_create_info(&record);
+  info.memory_limit = 64 << 20;
+  csm_context *context;
+  csm_cascades *cascades, *large;
+  csm_config config = support_config();
+  support_scene scene;
+  assert_int_equal(csm_create(&info, &context), CSM_SUCCESS);
+  support_scene_make(&scene, context);
+  config.resolution = RESOLUTION;
+  assert_int_equal(csm_cascades_create(context, &config, &cascades), CSM_SUCCESS);
+  for (int round = 0; round < 2; ++round) { /* before the first frame, and after it */
+    support_box(context, 2);
+    for (int i = 0; i < 12; ++i)
+      come_and_go(context);
+    assert_int_equal(csm_render_cascades(cascades, shot_frame(&scene.shot)), CSM_SUCCESS);
+  }
+  come_and_go(context);
+  config.cascade_count = 2; /* 32 MiB of maps: where meshes lay */
+  config.resolution = 2048;
+  assert_int_equal(csm_cascades_create(context, &config, &large), CSM_SUCCESS);
+  support_close(context, &record);
+}
+
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(creation),
@@ -294,6 +337,7 @@ int main(int argc, char **argv) {
       cmocka_unit_test(updates),
       cmocka_unit_test(configurations),
       cmocka_unit_test(the_memory_limit_is_kept),
+      cmocka_unit_test(meshes_that_go_leave_room),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
 }

@@ -274,6 +274,28 @@ static void an_update_may_fail(void **state) {
   support_close(f.context, &f.record);
 }
 
+/* Triangles that have no area are left out as long as they have none: here all, which lie along a line. */
+static void what_had_no_area_may_get_one(void **state) {
+  (void)state;
+  fixture f;
+  setup(&f, CSM_CREATE_KEEP_GEOMETRY);
+  cloth flat = f.cloth;
+  csm_stats stats = {.struct_size = sizeof stats};
+  for (int i = 0; i < VERTICES; ++i)
+    flat.positions[i][1] = flat.positions[i][2] = 0;
+  assert_int_equal(csm_mesh_destroy(f.context, f.mesh), CSM_SUCCESS);
+  f.mesh = make_cloth(f.context, &flat);
+  outcome none = draw(&f, f.cascades, f.mesh, 0);
+  assert_int_equal(csm_get_stats(f.cascades, &stats), CSM_SUCCESS);
+  const uint64_t others = stats.cascades[0].triangles_drawn;
+  update_cloth(f.context, f.mesh, &f.cloth);
+  expect_fresh(&f, 0, "an area");
+  assert_int_equal(csm_get_stats(f.cascades, &stats), CSM_SUCCESS);
+  assert_true(stats.cascades[0].triangles_drawn >= others + INDICES / 3);
+  outcome_free(&none);
+  support_close(f.context, &f.record);
+}
+
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(an_update_is_as_a_new_mesh),
@@ -283,6 +305,7 @@ int main(int argc, char **argv) {
       cmocka_unit_test(a_plan_of_a_list_knows_its_meshes),
       cmocka_unit_test(a_switch_takes_an_update_along),
       cmocka_unit_test(an_update_may_fail),
+      cmocka_unit_test(what_had_no_area_may_get_one),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
 }

@@ -4,6 +4,11 @@
 #include <string.h>
 
 uint64_t dice_bits(dice *dice) {
+  if (dice->left >= 2) {
+    dice->state = (uint64_t)dice->bytes[0] << 8 | dice->bytes[1];
+    dice->bytes += 2;
+    dice->left -= 2;
+  }
   uint64_t x = dice->state += 0x9e3779b97f4a7c15u; /* splitmix64 */
   x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
   x = (x ^ x >> 27) * 0x94d049bb133111ebu;

@@ -8,6 +8,8 @@
 
 typedef struct dice {
   uint64_t state;
+  const uint8_t *bytes; /* that decide in the place of the seed, two for each throw, while there are any */
+  size_t left;
 } dice;
 
 uint64_t dice_bits(dice *dice);

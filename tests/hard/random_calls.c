@@ -32,28 +32,6 @@ static void say_place(const place *at) {
 
 /* ---- a call ---- */
 
-static uint32_t weight_of(const world *w, const world_call *call) {
-  return call->weight + (w->lent ? call->engine_weight : 0);
-}
-
-static const world_call *choose(world *w) {
-  static const world_call *const tables[] = {calls_assets, calls_scenes,    calls_cascades,
-                                             calls_frames, calls_questions, calls_context};
-  enum { TABLES = sizeof tables / sizeof tables[0] };
-  uint32_t all = 0;
-  for (int i = 0; i < TABLES; ++i)
-    for (const world_call *call = tables[i]; call->name; ++call)
-      all += weight_of(w, call);
-  uint32_t at = dice_below(&w->dice, all);
-  for (int i = 0; i < TABLES; ++i)
-    for (const world_call *call = tables[i]; call->name; ++call) {
-      if (at < weight_of(w, call))
-        return call;
-      at -= weight_of(w, call);
-    }
-  return NULL;
-}
-
 static bool is_memory(csm_result result) {
   return result == CSM_ERROR_OUT_OF_MEMORY || result == CSM_ERROR_OUT_OF_DEVICE_MEMORY;
 }
@@ -95,12 +73,12 @@ static csm_result make_call(world *w, const world_call *call, bool failures, boo
 
 static void live(const settings *s, lent *lent, place *at) {
   static world w; /* it is large */
-  dice chance = {~at->seed};
+  dice chance = {.state = ~at->seed};
   at->step = 0;
   at->call = "opening";
   world_open(&w, s->backend, at->seed, lent);
   for (; at->step < s->calls; ++at->step) {
-    const world_call *call = choose(&w);
+    const world_call *call = world_choose(&w);
     const bool failures = dice_one_in(&chance, 8), looks = dice_one_in(&chance, 8);
     at->call = call->name;
     const csm_result result = make_call(&w, call, failures, looks);

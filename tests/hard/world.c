@@ -37,7 +37,7 @@ csm_create_info world_create_info(world *w) {
 }
 
 void world_open(world *w, const char *backend, uint64_t seed, lent *lent) {
-  *w = (world){.backend = backend, .dice = {seed}, .answers = 1, .pictures = 1, .lent = lent, .own = !lent};
+  *w = (world){.backend = backend, .dice = {.state = seed}, .answers = 1, .pictures = 1, .lent = lent, .own = !lent};
   w->record = (record){.backend = backend, .quiet = true, .allocations_left = -1};
   stranger_open(&w->stranger);
   csm_create_info info = world_create_info(w);
@@ -213,4 +213,28 @@ void *world_wild(world *w) {
   default:
     return is_live(w, w->gone) ? w : w->gone; /* its memory may have been given out again */
   }
+}
+
+/* ---- the calls ---- */
+
+static uint32_t weight_of(const world *w, const world_call *call) {
+  return call->weight + (w->lent ? call->engine_weight : 0);
+}
+
+const world_call *world_choose(world *w) {
+  static const world_call *const tables[] = {calls_assets, calls_scenes,    calls_cascades,
+                                             calls_frames, calls_questions, calls_context};
+  enum { TABLES = sizeof tables / sizeof tables[0] };
+  uint32_t all = 0;
+  for (int i = 0; i < TABLES; ++i)
+    for (const world_call *call = tables[i]; call->name; ++call)
+      all += weight_of(w, call);
+  uint32_t at = dice_below(&w->dice, all);
+  for (int i = 0; i < TABLES; ++i)
+    for (const world_call *call = tables[i]; call->name; ++call) {
+      if (at < weight_of(w, call))
+        return call;
+      at -= weight_of(w, call);
+    }
+  return NULL;
 }

@@ -127,7 +127,10 @@ typedef struct world_call {
   csm_result (*call)(world *w);   /* changes the world after success only */
 } world_call;
 
-/* Ends with one that has no name. */
+/* The next one. */
+const world_call *world_choose(world *w);
+
+/* Each ends with one that has no name. */
 extern const world_call calls_assets[], calls_scenes[], calls_cascades[], calls_frames[], calls_questions[],
     calls_context[];
 

@@ -69,6 +69,8 @@ static void bad_options_are_refused(void **state) {
                                 {"run", "--preset", "nobody"},
                                 {"run", "--preset", "all"},
                                 {"measure", "--presets", ","},
+                                {"hard", "--case"},
+                                {"hard", "--case", ","},
                                 {"measure", "--presets", "low,nobody"},
                                 {"measure", "--presets", "low,low"},
                                 {"measure", "--sun-samples", "3"},

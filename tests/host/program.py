@@ -95,6 +95,9 @@ def check_bad_input(folder, scene):
     expect_exit(2, "cannot make the folder", *ours, "--out", "/proc/no/such/folder")
     expect_exit(2, "cannot make the folder", *ours, "--dump", "/proc/no/such/folder")
     expect_exit(2, "cannot write", *ours, "--json", "/proc/no/such/file")
+    for config, word in (('{"filter": 77}', "filter"), ('{"filter": -1}', "filter"), ('{"resolution": 3}', "resolution"),
+                         ('{"split_mode": "manual", "split_distances": [2, 1]}', "contradict")):
+        expect_exit(2, word, "config", "--config", write(folder / "bad.json", config))
     for config, word in (('{"nope": 1}', "nope"), ('{"cascade_count": 0}', "cascade_count"),
                          ('{"cascade_count": 9}', "cascade_count"), ('{"resolution": 32768}', "resolution"),
                          ('{"resolution": 16384, "cascade_count": 8}', "bytes"), ('{"filter": "box"}', "box"),
@@ -129,6 +132,26 @@ def check_presets(folder, scene):
     expect(answer(*ours, "--preset", "bevy", "--config", over, "--json", "-")["config"] == both, "run's configuration")
     again = write(folder / "again.json", json.dumps(bevy))
     expect(answer("config", "--config", again) == bevy, "a preset that is told can be read again")
+
+
+# ---- hard cases ----
+
+
+def check_hard(folder):
+    ours = ("hard", *all_of_them, "--case", "bare_plane")
+    done = expect_exit(0, "", *ours, "--out", folder / "hard", "--json", folder / "hard.json")
+    (case,) = json.loads((folder / "hard.json").read_text())
+    expect(case["case"] == "bare_plane" and case["figures"] and all(f["holds"] for f in case["figures"]), case)
+    lines = done.stdout.splitlines()
+    expect([line.split()[0] for line in lines] == ["bare_plane"] * len(case["figures"]), done.stdout)
+    expect(all(line.endswith(" ok") for line in lines), done.stdout)
+    expect((folder / "hard" / "bare_plane.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n", "a picture of the worst pixel")
+    table = expect_exit(0, "", *ours, "--table").stdout.splitlines()
+    expect(table[0] == f"**bare_plane**: {case['about']}" and table[1] == table[-1] == "" and table[3].startswith("|---"), table)
+    expect(len(table) == 5 + len(case["figures"]) and {line.count("|") for line in table[2:-1]} == {6}, table)
+    expect_exit(2, "offsets", "hard", "--case", "bare_plane,nowhere")
+    expect_exit(2, "--case", "hard", "--case", ",")
+    expect_exit(3, "no-such-device", *ours, "--device", "no-such-device")
 
 
 # ---- bench ----
@@ -332,6 +355,7 @@ with tempfile.TemporaryDirectory() as scratch:
     check_presets(folder, folder / "scene.gltf")
 
 
+    check_hard(folder)
     check_bench(folder, folder / "scene.gltf")
     check_lacks(folder, folder / "scene.gltf")
     check_written(folder, folder / "scene.gltf")

@@ -136,6 +136,49 @@ static void what_is_not_understood_is_refused(void **state) {
                    2);
 }
 
+/* A file leads nowhere but beside itself, and its nodes are a tree. */
+static void what_leads_astray_is_refused(void **state) {
+  (void)state;
+  static const char *const images[] = {"/dev/zero",         "../picture.png",    "a/../../picture.png",
+                                       "..%2fpicture.png",  "%2Fdev%2fzero",     "file:picture.png",
+                                       "..\\\\picture.png", "data:;base64,AAAA", "."};
+  char changed[200];
+  for (size_t i = 0; i < sizeof images / sizeof images[0]; i++) {
+    snprintf(changed, sizeof changed, "\"scene\":0,\"images\":[{\"uri\":\"%s\"}],", images[i]);
+    assert_int_equal(load_changed("\"scene\":0,", changed), 2);
+  }
+  assert_int_equal(load_changed("\"scene\":0,", "\"scene\":0,\"images\":[{\"uri\":\"a..b/c%20d.png\"}],"), 0);
+  assert_int_equal(load_changed("\"children\":[1]", "\"children\":[0]"), 2);
+  assert_int_equal(load_changed("\"children\":[1]", "\"children\":[1,1]"), 2);
+  assert_int_equal(load_changed("\"children\":[1]", "\"children\":[7]"), 2);
+  assert_int_equal(load_changed("\"scene\":0,", "\"scene\":0,\"skins\":[{\"joints\":[0]}],"), 2);
+}
+
+/* A chain of nodes, which whoever reads it by recursion goes down. */
+static int load_chain(uint32_t nodes) {
+  char path[64];
+  make_path(path, ".gltf");
+  FILE *file = fopen(path, "wb");
+  assert_non_null(file);
+  fprintf(file, "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],\"nodes\":[");
+  for (uint32_t i = 0; i + 1 < nodes; i++)
+    fprintf(file, "{\"children\":[%u]},", i + 1);
+  fprintf(file, "{\"mesh\":0}]%s", strstr(triangle_gltf, ",\"meshes\""));
+  fclose(file);
+  scene s;
+  const int code = scene_load(&s, path);
+  scene_free(&s);
+  unlink(path);
+  return code;
+}
+
+static void a_deep_file_is_refused(void **state) {
+  (void)state;
+  assert_int_equal(load_chain(512), 0);
+  assert_int_equal(load_chain(513), 2);
+  assert_int_equal(load_chain(300000), 2);
+}
+
 static void broken_gltf_is_refused(void **state) {
   (void)state;
   char path[64], text[4096];
@@ -192,6 +235,8 @@ int main(void) {
       cmocka_unit_test(solids_face_outwards),
       cmocka_unit_test(gltf_is_read),
       cmocka_unit_test(what_is_not_understood_is_refused),
+      cmocka_unit_test(what_leads_astray_is_refused),
+      cmocka_unit_test(a_deep_file_is_refused),
       cmocka_unit_test(broken_gltf_is_refused),
       cmocka_unit_test(views_are_traced),
   };

@@ -17,7 +17,7 @@ BIAS_MODES = ('slope', 'receiver_plane')
 
 
 def run(*arguments, code=0):
-    command = [host, 'report', '--cache', at('cache'), *arguments]
+    command = [host, 'report', '--cache', at('cache'), *([] if '--case' in arguments else ['--case', 'none']), *arguments]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == code, (command, done.returncode, done.stderr)
     return done.stderr if code else done.stdout
@@ -75,6 +75,9 @@ def load(name):
             assert uri.startswith('data:image/png;base64,iVBORw0KGgo') and len(uri) > 200
         assert {p['point'] for p in short['pictures']} == {
             long['base'], *(long['verdicts'][full['backends'][0]['name']][key] for key in ('knee', 'least_error'))}
+    what = lambda report: [(c['case'], c['about'], [(f['what'], f['holds']) for f in c['figures']]) for c in report['hard']]
+    assert what(data) == what(full)
+    assert all(c['picture'].startswith('data:image/png;base64,iVBORw0KGgo') and c['pictured'] for c in data['hard'])
     return full
 
 
@@ -141,7 +144,7 @@ camera = ['--camera', '6,5,9:0,1,0:50:0.1:100']
 few = ['--cascades', '3,1', '--resolutions', '128,64']
 
 # A configuration that is not in the sweep is added; it is what the rest is compared with.
-text = run('--quick', *small, *camera, *few, '--out', at('first'), '--json', at('first.json'))
+text = run('--quick', *small, *camera, *few, '--case', 'bare_plane', '--out', at('first'), '--json', at('first.json'))
 assert 'default' in text and 'report.html' in text, text
 first = load('first')
 assert json.load(open(at('first.json')))['scenes'] == first['scenes']
@@ -151,6 +154,9 @@ assert shape(first['scenes'][0]['configurations'][first['scenes'][0]['base']]) =
 assert [b['name'] for b in first['backends']] == backends and all(b['driver'] for b in first['backends'])
 assert first['machine']['cores'] >= 1 and first['quick'] and '--quick' in first['command'] and first['base_name'] == 'default'
 assert not first['scenes'][0]['truth']['cached'] and first['left_out'] == []
+(plane,) = first['hard']
+assert plane['case'] == 'bare_plane' and plane['about'] and plane['seconds'] > 0 and len(plane['figures']) >= 3, plane
+assert all(f['holds'] == (f['value'] <= f['bound']) and f['holds'] and f['unit'] for f in plane['figures']), plane
 best = first['scenes'][0]['verdicts'][backends[0]]['least_error']
 assert first['scenes'][0]['configurations'][best]['resolution'] == 2048, 'sixteen times the texels are nearer the truth'
 
@@ -158,6 +164,7 @@ assert first['scenes'][0]['configurations'][best]['resolution'] == 2048, 'sixtee
 json.dump({'cascade_count': 3, 'resolution': 64, 'filter': 'pcf_2x2', 'split_lambda': 0.5}, open(at('own.json'), 'w'))
 run(*small, *camera, *few, '--config', at('own.json'), '--minutes', '1e-9', '--out', at('own'))
 own = load('own')
+assert own['hard'] == []
 check_scene(own['scenes'][0], shapes, 1)
 assert own['scenes'][0]['truth']['cached'] and own['base_name'] == '--config' and own['scenes'][0]['base_config']['split_lambda'] == 0.5
 assert shape(own['scenes'][0]['configurations'][own['scenes'][0]['base']]) == (3, 64, 'pcf_2x2', 'receiver_plane')
@@ -185,6 +192,7 @@ refused('--resolutions', *small, '--resolutions', '8')
 refused('--resolutions', *small, '--resolutions', '64;128')
 refused('--minutes', *small, '--minutes', '0')
 refused('--camera', *camera)
+refused('no case', *small, *few, '--case', 'bare_plane,nowhere')
 refused('--dump', *small, '--dump', at('dump'))
 refused('no scene', '--scene', 'nowhere')
 refused('cannot open', '--scene', at('none.gltf'))

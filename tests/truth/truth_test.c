@@ -410,6 +410,15 @@ static void alpha_mask_is_bilinear_and_wraps(void **state) {
   assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){7.0, 0.25}) - 1.0) < 1e-12);
   o.wrap[0] = SCENE_WRAP_MIRROR;
   assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){1.25, 0.25}) - 1.0) < 1e-12);
+  for (scene_wrap mode = SCENE_WRAP_REPEAT; mode <= SCENE_WRAP_CLAMP; mode++) { /* wherever a file says */
+    const double wild[] = {1e18, -1e18, 1e30, -1e300, INFINITY, -INFINITY, NAN};
+    scene_alpha_mask odd = o;
+    odd.wrap[0] = odd.wrap[1] = mode;
+    for (int i = 0; i < 7; i++) {
+      const double opacity = scene_alpha_mask_at(&odd, (const double[2]){wild[i], wild[6 - i]});
+      assert_true(opacity >= 0.0 && opacity <= 1.0);
+    }
+  }
   assert_true(fabs(scene_alpha_mask_at(&o, (const double[2]){-0.25, 0.25}) - 0.0) < 1e-12);
 }
 

@@ -7,7 +7,7 @@
  * Conventions: column vectors, column-major matrices (element [column * 4 + row]), world positions in doubles, metres,
  * radians. Clip z in [0,1], clip y up; texture coordinate v = 0 and texel row 0 are clip y = +1. A light's direction is
  * the way its light travels. View matrices take world to view. Projections may be perspective or orthographic,
- * off-centre, jittered, reversed-Z, with an infinite far plane, of either handedness.
+ * off-centre, jittered, reversed-Z, with an infinite far plane or an oblique near one, of either handedness.
  *
  * Structs begin with struct_size = sizeof(the struct). A smaller size means that the missing tail is zero, which is
  * neutral; a larger one is accepted when its unknown tail is zero. Outputs are never written past the caller's size.
@@ -18,6 +18,9 @@
  *
  * Threads: [any-thread] may be called at any time; [render-thread] one call at a time for one context, from any thread.
  * Contexts are independent of each other.
+ *
+ * Floating-point exceptions may trap (feenableexcept): csm's own arithmetic raises none of invalid, division by zero and
+ * overflow, and drivers, their threads and draw callbacks run with traps off.
  */
 #ifndef CSM_H
 #define CSM_H
@@ -232,7 +235,8 @@ struct csm_mesh_info {
 /*
  * Copies a triangle mesh into the context, or takes in an engine's own buffers, which must stay until the mesh is
  * destroyed and its last frame retired. A copied one is uploaded by the next frame that is recorded. Copied positions
- * keep their precision however far from their own origin they lie; those in an engine's buffers are read as they are.
+ * keep their precision however far from their own origin they lie, and triangles of theirs that are lines or points draw
+ * nothing until an update; those in an engine's buffers are read as they are.
  * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (counts, stride, index_size, flags, bounds, uv_stride, alpha_cutoff;
  * buffers of two APIs), INVALID_INDEX (an index not below vertex_count), INVALID_HANDLE (alpha_mask), NOT_FINITE (a
  * position, a uv, the bounds), UNSUPPORTED (buffers of the other API), LIMIT_EXCEEDED (memory; more than 32 pairs of
