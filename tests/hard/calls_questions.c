@@ -96,7 +96,7 @@ static const spoil_struct read_struct = SPOIL_STRUCT(csm_read_info, read_fields)
 /* The size that the answer should have; it is what the memory has room for, too. */
 static csm_read_info roll_read(world *w, const world_cascades *cascades, const world_view *view) {
   csm_read_info info = {.struct_size = sizeof info,
-                        .source = dice_below(&w->dice, 3),
+                        .source = dice_below(&w->dice, 4),
                         .cascades = cascades ? cascades->cascades : NULL,
                         .view = view ? view->view : NULL,
                         .cascade = dice_below(&w->dice, 3)};
