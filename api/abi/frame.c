@@ -87,6 +87,7 @@ static csm_result make_plan(csm_cascades *cascades, const frame_input *input, pl
                                 .others_cast = frame->draw != NULL,
                                 .origin = frame->origin,
                                 .scene = scene,
+                                .all_receivers = context_device(context)->own, /* no depth of an engine's is resolved */
                                 .cache = frame->scene ? &cascades->cache : NULL,
                                 .before = &cascades->history,
                                 .samples = cascades->samples,

@@ -49,14 +49,20 @@ static float texel(const unsigned char *from, gpu_format format) {
   }
 }
 
+static float converted(const technique_image *from, uint32_t x, uint32_t y, float value) {
+  if (!from->drawn_with)
+    return value;
+  const plan_pixel pixel = {
+      .x = (2.0 * x + 1.0) / from->width - 1.0, .y = 1.0 - (2.0 * y + 1.0) / from->height, .depth = value};
+  return (float)plan_convert_depth(from->drawn_with, from->read_as, &pixel);
+}
+
 static void unpack(const technique_image *from, const unsigned char *rows, uint32_t row_bytes, float *out) {
   const uint32_t bytes = gpu_format_bytes(from->format);
   for (uint32_t y = 0; y < from->part.height; ++y) {
     const unsigned char *row = rows + (size_t)(from->part.y + y) * row_bytes + (size_t)from->part.x * bytes;
-    for (uint32_t x = 0; x < from->part.width; ++x) {
-      const float value = texel(row + (size_t)x * bytes, from->format);
-      *out++ = from->drawn_with ? (float)plan_convert_depth(from->drawn_with, from->read_as, value) : value;
-    }
+    for (uint32_t x = 0; x < from->part.width; ++x)
+      *out++ = converted(from, x, y, texel(row + (size_t)x * bytes, from->format));
   }
 }
 

@@ -72,9 +72,12 @@ static csm_result scale_projection(plan_camera *camera, const double p[16], cons
     camera->projection[i] = p[i] / scale;
   }
   p = camera->projection;
-  if (fmax(fabs(p[2]), fabs(p[6])) > RESIDUE * fmax(fabs(p[10]), fabs(p[14])))
-    return plan_fail(error, CSM_ERROR_INVALID_CAMERA,
-                     "projection is neither perspective nor orthographic along view z: its clip z");
+  camera->oblique = fmax(fabs(p[2]), fabs(p[6])) > RESIDUE * fmax(fabs(p[10]), fabs(p[14]));
+  if (camera->oblique && camera->orthographic)
+    return plan_fail(error, CSM_ERROR_INVALID_CAMERA, "projection is orthographic with an oblique near or far plane");
+  const double image = p[0] * p[5] - p[4] * p[1];
+  if (camera->oblique && fabs(image) <= RESIDUE * hypot(p[0], p[4]) * hypot(p[1], p[5]))
+    return plan_fail(error, CSM_ERROR_INVALID_MATRIX, "projection is singular: its clip x and y are the same");
   double inverse[16];
   if (!plan_invert(inverse, p))
     return plan_fail(error, CSM_ERROR_INVALID_MATRIX, "projection is singular");
@@ -83,18 +86,43 @@ static csm_result scale_projection(plan_camera *camera, const double p[16], cons
   return CSM_SUCCESS;
 }
 
-/* Of clip z over w = limit + slope / depth, for depth from 0 to infinity before the camera. */
+/*
+ * Clip z over w is limit + slope / depth, for depth from 0 to infinity before the camera. The limit is the same all over
+ * the image, but where the near plane is oblique: there it is linear across it, and the ends that it has are in corners.
+ */
+static void depth_limits(double limits[2], double *slope, const plan_camera *camera, double side) {
+  const double *p = camera->projection;
+  *slope = p[14];
+  limits[0] = limits[1] = side * p[10];
+  if (!camera->oblique)
+    return;
+  const double determinant = p[0] * p[5] - p[4] * p[1];
+  limits[0] = INFINITY;
+  limits[1] = -INFINITY;
+  /* Clip z is a x + b y + p[10] z + p[14], where a and b are of what the image's x and y are of */
+  const double a = (p[2] * p[5] - p[6] * p[1]) / determinant, b = (p[6] * p[0] - p[2] * p[4]) / determinant;
+  for (int i = 0; i < 4; ++i) {
+    const double x = (i & 1 ? 1.0 : -1.0) - side * p[8], y = (i & 2 ? 1.0 : -1.0) - side * p[9];
+    const double limit = a * x + b * y + side * p[10];
+    limits[0] = fmin(limits[0], limit);
+    limits[1] = fmax(limits[1], limit);
+  }
+  *slope -= a * p[12] + b * p[13];
+}
+
+/* An oblique plane cuts the view at the least depth that it leaves, and ends it at the largest. */
 static csm_result perspective_depths(plan_camera *camera, double *side, const char **error) {
+  double limits[2], slope;
   *side = camera->projection[11];
-  const double limit = *side * camera->projection[10], slope = camera->projection[14];
+  depth_limits(limits, &slope, camera, *side);
   camera->reversed = slope > 0.0;
   /* Reversed or not, measured from the near plane's depth towards the far plane's */
-  const double to_near = camera->reversed ? 1.0 - limit : limit;
-  const double to_far = camera->reversed ? -limit : limit - 1.0;
+  const double to_near = camera->reversed ? 1.0 - limits[0] : limits[1];
+  const double to_far = camera->reversed ? -limits[1] : limits[0] - 1.0;
   const double least = fabs(slope) / PLAN_LARGEST; /* what is smaller puts a plane past the largest distance */
   if (!(to_near > least) || slope == 0.0)
     return plan_fail(error, CSM_ERROR_INVALID_CAMERA, "projection has no near plane before the camera");
-  if (to_far < -INFINITE_DEPTH)
+  if (to_far < -INFINITE_DEPTH && !camera->oblique)
     return plan_fail(error, CSM_ERROR_INVALID_CAMERA, "projection has a near or far plane behind the camera");
   camera->near_depth = fabs(slope) / to_near;
   camera->far_depth = to_far > least ? fabs(slope) / to_far : INFINITY;

@@ -17,18 +17,35 @@ static double buffer_depth(const plan_camera *camera, double view_depth) {
   return (p[10] * z + p[14]) / (p[11] * z + p[15]);
 }
 
+/* The view depth of a place in the picture, whatever the planes are. */
+static double view_depth_at(const plan_camera *camera, const plan_pixel *pixel) {
+  if (!camera->oblique)
+    return plan_view_depth(camera, pixel->depth);
+  double inverse[16], at[2] = {0.0, 0.0};
+  if (!plan_invert(inverse, camera->projection)) /* plan_camera_make saw to it that it can be */
+    return INFINITY;
+  for (int row = 0; row < 2; ++row)
+    at[row] = inverse[2 + row] * pixel->x + inverse[6 + row] * pixel->y + inverse[10 + row] * pixel->depth +
+              inverse[14 + row];
+  if (fabs(at[0]) > PLAN_LARGEST * fabs(at[1]))
+    return INFINITY;
+  return plan_view_side(camera) * (at[0] / at[1]);
+}
+
 static bool same_depths(const plan_camera *a, const plan_camera *b) {
   bool same = true;
-  for (int column = 2; column < 4; ++column)
-    for (int row = 2; row < 4; ++row)
-      same = same && a->projection[column * 4 + row] == b->projection[column * 4 + row];
+  for (int column = 0; column < 4; ++column)
+    same = same && a->projection[column * 4 + 2] == b->projection[column * 4 + 2];
   return same;
 }
 
-double plan_convert_depth(const plan_camera *from, const plan_camera *to, double depth) {
+double plan_convert_depth(const plan_camera *from, const plan_camera *to, const plan_pixel *pixel) {
   if (to && same_depths(from, to))
-    return depth;
-  const double view_depth = depth == plan_clear_depth(from) ? INFINITY : plan_view_depth(from, depth);
+    return pixel->depth;
+  if (to && to->oblique)
+    return 1.0 - pixel->depth; /* no more than turned around */
+  const bool nothing = pixel->depth == plan_clear_depth(from);
+  const double view_depth = nothing ? INFINITY : view_depth_at(from, pixel);
   if (!to)
     return view_depth;
   return view_depth < INFINITY ? fmin(fmax(buffer_depth(to, view_depth), 0.0), 1.0) : plan_clear_depth(to);

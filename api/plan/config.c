@@ -248,7 +248,7 @@ const csm_config_field *plan_config_field(uint32_t index) {
   return index < entry_count ? &entries[index].field : NULL;
 }
 
-static bool is_double(const csm_config_field *field) {
+bool plan_is_double(const csm_config_field *field) {
   return field->type == CSM_FIELD_DOUBLE || field->type == CSM_FIELD_DOUBLES;
 }
 
@@ -258,7 +258,7 @@ void plan_config_default(csm_config *config) {
     const csm_config_field *field = &entries[i].field;
     void *const value = (char *)config + field->offset;
     for (uint32_t k = 0; k < field->length; ++k)
-      if (is_double(field))
+      if (plan_is_double(field))
         ((double *)value)[k] = field->default_value;
       else
         ((uint32_t *)value)[k] = (uint32_t)field->default_value;
@@ -270,10 +270,10 @@ void plan_config_default(csm_config *config) {
 static csm_result check_entry(const config_entry *entry, const csm_config *config, const char **error) {
   const csm_config_field *field = &entry->field;
   const void *const value = (const char *)config + field->offset;
-  if (is_double(field) && !plan_finite(value, field->length))
+  if (plan_is_double(field) && !plan_finite(value, field->length))
     return plan_fail(error, CSM_ERROR_NOT_FINITE, entry->not_finite);
   for (uint32_t k = 0; k < field->length; ++k) {
-    const double number = is_double(field) ? ((const double *)value)[k] : ((const uint32_t *)value)[k];
+    const double number = plan_is_double(field) ? ((const double *)value)[k] : ((const uint32_t *)value)[k];
     if (number < field->minimum || number > field->maximum)
       return plan_fail(error, CSM_ERROR_INVALID_VALUE, entry->out_of_range);
   }

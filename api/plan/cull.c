@@ -139,8 +139,6 @@ plan_kept plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const 
   const plan_kept kept = plan_cache_fill(cull->cache, cull->basis, scene);
   const double least = any_far(scene) ? 0.0 : least_width(cull->areas, lists->count);
   lists->among = scene->caster_count;
-  for (uint32_t i = 0; i < lists->count; ++i)
-    cull->areas[i].first_caster = INFINITY;
   for (uint32_t first = 0; first < scene->slot_count; first += PLAN_BLOCK) {
     plan_light_block made;
     if (!kept.blocks)
@@ -153,7 +151,7 @@ plan_kept plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const 
 
 bool plan_casters_span(plan_span *out, const plan_light_cull *cull, const plan_scene *scene) {
   const plan_kept kept = plan_cache_fill(cull->cache, cull->basis, scene);
-  *out = (plan_span){.low = {INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY}};
+  *out = (plan_span){.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
   for (uint32_t slot = 0; slot < scene->slot_count; ++slot) {
     const uint32_t at = slot % PLAN_BLOCK;
     plan_light_block made;
@@ -163,7 +161,7 @@ bool plan_casters_span(plan_span *out, const plan_light_cull *cull, const plan_s
     const plan_instance *instance = &scene->instances[slot];
     if (!plan_casts(instance) || other_layers(instance, cull->layers) || outside_hull(cull->hull, block, at))
       continue;
-    for (int axis = 0; axis < 2; ++axis) {
+    for (int axis = 0; axis < 3; ++axis) {
       out->low[axis] = fmin(out->low[axis], block->low[axis][at]);
       out->high[axis] = fmax(out->high[axis], block->high[axis][at]);
     }
@@ -173,8 +171,16 @@ bool plan_casters_span(plan_span *out, const plan_light_cull *cull, const plan_s
 
 /* ---- a camera ---- */
 
-/* The six half-spaces of clip space, -w <= x, y <= w and 0 <= z <= w, for world positions relative to the camera's. */
-static void clip_planes(double normals[6][3], double offsets[6], const plan_camera *camera) {
+enum { CLIP_PLANES = 6, MOST_PLANES = CLIP_PLANES + 1 };
+
+/* Half-spaces, for world positions relative to the camera's. */
+typedef struct view_planes {
+  double normals[MOST_PLANES][3], offsets[MOST_PLANES];
+  int count;
+} view_planes;
+
+/* The six of clip space, -w <= x, y <= w and 0 <= z <= w. */
+static void clip_planes(view_planes *out, const plan_camera *camera) {
   double rows[4][4];
   for (int row = 0; row < 4; ++row) {
     const double *p = &camera->projection[row];
@@ -182,33 +188,55 @@ static void clip_planes(double normals[6][3], double offsets[6], const plan_came
       rows[row][axis] = plan_dot((double[]){p[0], p[4], p[8]}, &camera->view[axis * 4]);
     rows[row][3] = p[12];
   }
-  for (int plane = 0; plane < 6; ++plane) {
+  for (int plane = 0; plane < CLIP_PLANES; ++plane) {
     const double sign = plane & 1 ? -1.0 : 1.0, w = plane == 4 ? 0.0 : 1.0;
     for (int k = 0; k < 3; ++k)
-      normals[plane][k] = w * rows[3][k] + sign * rows[plane / 2][k];
-    offsets[plane] = w * rows[3][3] + sign * rows[plane / 2][3];
+      out->normals[plane][k] = w * rows[3][k] + sign * rows[plane / 2][k];
+    out->offsets[plane] = w * rows[3][3] + sign * rows[plane / 2][3];
   }
+  out->count = CLIP_PLANES;
+}
+
+static bool outside_planes(const view_planes *planes, const plan_camera *camera, const plan_scene *scene,
+                           const plan_instance *instance) {
+  const double rounding = 1.0 + 1e-12;
+  plan_placed box;
+  plan_place(&box, instance, &scene->meshes[instance->mesh]);
+  for (int i = 0; i < 3; ++i)
+    box.center[i] -= camera->position[i];
+  bool outside = false;
+  for (int i = 0; i < planes->count && !outside; ++i) {
+    const double *normal = planes->normals[i];
+    outside = plan_dot(box.center, normal) + planes->offsets[i] < -rounding * plan_reach(&box, normal);
+  }
+  return outside;
 }
 
 void plan_cull_view(plan_lists *lists, const plan_camera *camera, const plan_scene *scene) {
-  const double rounding = 1.0 + 1e-12;
-  double normals[6][3], offsets[6];
-  clip_planes(normals, offsets, camera);
+  view_planes planes;
+  clip_planes(&planes, camera);
   lists->among = scene->receiver_count;
   for (uint32_t slot = 0; slot < scene->slot_count; ++slot) {
     const plan_instance *instance = &scene->instances[slot];
     if (!plan_receives(instance))
       continue;
-    plan_placed box;
-    plan_place(&box, instance, &scene->meshes[instance->mesh]);
-    for (int i = 0; i < 3; ++i)
-      box.center[i] -= camera->position[i];
-    bool outside = false;
-    for (int plane = 0; plane < 6 && !outside; ++plane)
-      outside = plan_dot(box.center, normals[plane]) + offsets[plane] < -rounding * plan_reach(&box, normals[plane]);
+    const bool outside = outside_planes(&planes, camera, scene, instance);
     lists->masks[slot] = !outside;
     lists->counts[plan_list_key(lists, instance)] += !outside;
   }
+}
+
+bool plan_sees_receivers(const plan_camera *camera, const plan_scene *scene, double end) {
+  const double float_rounding = 1.0 + 1e-6;
+  view_planes planes;
+  clip_planes(&planes, camera);
+  for (int axis = 0; axis < 3; ++axis)
+    planes.normals[planes.count][axis] = -camera->forward[axis];
+  planes.offsets[planes.count++] = end * float_rounding;
+  bool seen = false;
+  for (uint32_t slot = 0; slot < scene->slot_count && !seen && scene->receiver_count; ++slot)
+    seen = plan_receives(&scene->instances[slot]) && !outside_planes(&planes, camera, scene, &scene->instances[slot]);
+  return seen;
 }
 
 void plan_view_make(plan_list *out, const plan_camera *camera, const plan_scene *scene, void *memory) {

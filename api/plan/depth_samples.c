@@ -92,7 +92,7 @@ static bool same_image(const plan_camera *a, const plan_camera *b) {
  * more than that of the way to the farthest surface, sees what no tile has seen. So does one with another image.
  */
 static bool alike(const plan_camera *then, const plan_camera *camera, double margin, double farthest) {
-  if (!same_image(then, camera))
+  if (!same_image(then, camera) || then->oblique || camera->oblique) /* of which a depth alone tells no distance */
     return false;
   const double tangent = 1.0 / fmax(row_scale(camera, 0), row_scale(camera, 1));
   const double most = margin * (camera->orthographic ? 1.0 : 2.0 * atan(tangent));

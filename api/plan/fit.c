@@ -88,10 +88,10 @@ static void box_extent(extent *out, const plan_fit_frame *frame, const double in
 
 /* False: numbers too large to plan with. */
 static bool slice_extent(extent *out, const plan_fit_frame *frame, const double depths[2]) {
-  const double exact[2] = {1.0, 1.0};
   const bool stable = is_sphere(frame->config) || is_square(frame->config);
-  double corners[8][3], inverse[9];
-  if (!plan_slice_corners(corners, frame->camera, stable ? frame->wider : exact, depths))
+  double corners[8][3], inverse[9], own[2];
+  plan_image(own, frame->camera);
+  if (!plan_slice_corners(corners, frame->camera, stable ? frame->image : own, depths))
     return false;
   plan_view_rotation_inverse(inverse, frame->camera->view);
   if (is_sphere(frame->config))
@@ -138,6 +138,18 @@ static void bound_casters(double middle[2], double width[2], const plan_fit_fram
     }
 }
 
+/*
+ * Shaders take a point for a map's that lies beside its range by a 4096th of it, which is metres where a slice is
+ * kilometres long. So the range of a map that is narrowed to its casters neither begins nor ends among them.
+ */
+static double beside(const plan_fit *fit) {
+  return (fit->depth[1] - fit->depth[0]) / 1024.0;
+}
+
+static bool is_among_casters(const plan_fit *fit, double depth) {
+  return fit->casters[0] < depth + beside(fit) && fit->casters[1] > depth - beside(fit);
+}
+
 csm_result plan_fit_slice(plan_fit *out, const plan_fit_frame *frame, uint32_t cascade, const double depths[2],
                           const char **error) {
   static const char too_large[] = "view and projection have numbers too large to plan with";
@@ -168,6 +180,10 @@ csm_result plan_fit_slice(plan_fit *out, const plan_fit_frame *frame, uint32_t c
   out->step = slice.diameter / (2.0 * DEPTH_STEPS_PER_RADIUS);
   out->depth[0] = slice.middle[2] - slice.width[2] / 2.0;
   out->depth[1] = slice.middle[2] + slice.width[2] / 2.0;
+  out->casters[0] = frame->casters ? frame->casters->low[2] : INFINITY;
+  out->casters[1] = frame->casters ? frame->casters->high[2] : -INFINITY;
+  if (is_among_casters(out, out->depth[1]) && out->casters[1] < out->depth[1] + slice.width[2])
+    out->depth[1] = out->casters[1] + beside(out);
   return CSM_SUCCESS;
 }
 
@@ -180,7 +196,8 @@ static double steps_end(const plan_fit *fit) {
 
 /* Steps from the first kept depth to the map's end. */
 static double depth_steps(const plan_fit *fit, const plan_area *area, double shift, const csm_config *config) {
-  const double least = DEPTH_STEPS + ceil(shift / fit->step);
+  const double slice = steps_end(fit) - floor((fit->depth[0] - fit->anchor[2]) / fit->step + 1e-6);
+  const double least = fmax(slice, DEPTH_STEPS) + ceil(shift / fit->step);
   const double farthest = fmin(config->caster_distance, plan_longest_range(fit, config) - least * fit->step);
   const double most = least + ceil(fmax(farthest, 0.0) / fit->step);
   const double wanted = fmin(steps_end(fit) - (area->first_caster - fit->anchor[2]) / fit->step,
@@ -188,7 +205,10 @@ static double depth_steps(const plan_fit *fit, const plan_area *area, double shi
   double steps = least;
   while (steps < wanted)
     steps *= 2.0;
-  return fmin(steps, most);
+  steps = fmin(steps, most);
+  const double begin = fit->anchor[2] + (steps_end(fit) - steps) * fit->step;
+  const bool among = is_among_casters(fit, begin) && fit->casters[0] > begin - least * fit->step;
+  return among ? steps + ceil((begin - fit->casters[0] + beside(fit)) / fit->step) : steps;
 }
 
 /* The part of a convex polygon, of up to 4 corners more than it had, on one side of a plane along an axis. */

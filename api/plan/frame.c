@@ -1,6 +1,8 @@
 /* frame.c: the cascades of a frame: where their maps lie, how deep they are, and what they draw. */
 #include "plan/internal.h"
 
+#include <string.h>
+
 /* Where each cascade lies, before its casters are known, and what of the world may cast into it. */
 typedef struct fitted {
   plan_fit fits[CSM_MAX_CASCADES];
@@ -53,11 +55,12 @@ static bool find_casters(plan_span *casters, const plan_fit_frame *frame, const 
 
 /* The camera, the light, and where each cascade lies. */
 static csm_result fit_frame(plan_frame *frame, plan_fit *fits, const plan_frame_info *info, const char **error) {
+  double light[3];
   csm_result result = plan_camera_make(&frame->camera, info->view, info->projection, info->reversed, error);
   if (!result)
     result = take_origin(frame, info->origin, error);
   if (!result)
-    result = plan_light_make(frame->basis, info->config, info->light, info->before, error);
+    result = plan_light_make(frame->basis, light, info, error);
   if (result)
     return result;
   plan_span casters;
@@ -68,15 +71,15 @@ static csm_result fit_frame(plan_frame *frame, plan_fit *fits, const plan_frame_
                        .sample_count = plan_depth_samples_usable(info, &frame->camera) ? info->sample_count : 0,
                        .before = info->before,
                        .after = &frame->history};
-  plan_steady_image(to.wider, &to);
+  plan_steady_image(to.image, &to);
   if (find_casters(&casters, &to, info))
     to.casters = &casters;
   result = fit_cascades(frame, fits, &to, error);
   if (frame->unshadowed && info->before) /* what was fitted waits until there are shadows again */
     frame->history = *info->before;
   frame->history.has_light = true;
-  for (int i = 0; i < 9; ++i)
-    frame->history.basis[i] = frame->basis[i];
+  memcpy(frame->history.light, light, sizeof light);
+  memcpy(frame->history.basis, frame->basis, sizeof frame->basis);
   return result;
 }
 
@@ -85,6 +88,14 @@ static double largest_texel(const plan_fit *fits, uint32_t count) {
   for (uint32_t i = 0; i < count; ++i)
     largest = fmax(largest, fmax(fits[i].texel[0], fits[i].texel[1]));
   return largest;
+}
+
+/* Whether nothing is asked for that a caster could shade: only where visibility is asked for no further than the camera
+ * sees. */
+static bool shades_nothing(const plan_frame *frame, const plan_frame_info *info) {
+  const double end = frame->cascades[frame->cascade_count - 1].info.far_depth;
+  return info->config->caster_set == CSM_CASTER_SET_VIEW && info->all_receivers &&
+         !plan_sees_receivers(&frame->camera, info->scene, end);
 }
 
 /* What each cascade draws, and where its casters begin. */
@@ -97,8 +108,13 @@ static void cull(plan_frame *frame, fitted *fitted, const plan_frame_info *info,
   if (config->caster_set == CSM_CASTER_SET_VIEW)
     plan_view_hull(&hull, &frame->camera, frame->basis, frame->cascades[frame->cascade_count - 1].info.far_depth,
                    largest_texel(fitted->fits, frame->cascade_count) * plan_padding_texels(config));
-  for (uint32_t i = 0; i < frame->cascade_count; ++i)
+  for (uint32_t i = 0; i < frame->cascade_count; ++i) {
     fitted->areas[i] = plan_fit_area(&fitted->fits[i], config, &box);
+    plan_rounding_origin(&fitted->areas[i].rounding, frame->basis, frame->origin);
+    fitted->areas[i].first_caster = INFINITY;
+  }
+  if (shades_nothing(frame, info))
+    return;
   const plan_light_cull to = {
       .basis = frame->basis, .hull = &hull, .layers = info->light_layers, .areas = fitted->areas, .cache = info->cache};
   frame->to_light = (const double(*)[12])plan_cull_light(lists, &to, info->scene).transforms;
@@ -129,9 +145,8 @@ csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *m
 
 void plan_history_reconfigure(plan_history *history) {
   plan_history kept = {.has_light = history->has_light};
-  for (int i = 0; i < 9; ++i)
-    kept.basis[i] = history->basis[i];
-  for (int i = 0; i < CSM_MAX_CASCADES; ++i)
-    kept.anchors[i] = history->anchors[i];
+  memcpy(kept.light, history->light, sizeof kept.light);
+  memcpy(kept.basis, history->basis, sizeof kept.basis);
+  memcpy(kept.anchors, history->anchors, sizeof kept.anchors);
   *history = kept;
 }

@@ -51,10 +51,12 @@ static double farthest(const double normal[2], const double (*points)[3], int co
 }
 
 void plan_view_hull(plan_hull *out, const plan_camera *camera, const double basis[9], double end, double room) {
-  double corners[8][3], points[8][3], inverse[9];
+  const double depths[2] = {camera->near_depth, end};
+  double corners[8][3], points[8][3], inverse[9], image[2];
   int hull[PLAN_HULL_MOST + 1];
   *out = (plan_hull){0};
-  if (!plan_slice_corners(corners, camera, (double[2]){1.0, 1.0}, (double[2]){camera->near_depth, end}))
+  plan_image(image, camera);
+  if (!plan_slice_corners(corners, camera, image, depths))
     return;
   plan_view_rotation_inverse(inverse, camera->view);
   for (int i = 0; i < 8; ++i)

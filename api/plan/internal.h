@@ -21,6 +21,11 @@ bool plan_normalize(double v[3]);
 /* Whether all values are finite and no larger than `most`, which is above 0. */
 bool plan_within(const double *values, uint32_t count, double most);
 
+/* ---- configurations ---- */
+/* Whether a field's numbers are doubles, and not whole ones. */
+bool plan_is_double(const csm_config_field *field);
+
+/* ---- floats ---- */
 /* The nearest float; what a float cannot hold becomes the largest one. */
 static inline float plan_float(double value) {
   const double limit = 3.4028234663852886e38;
@@ -67,23 +72,22 @@ void plan_view_rotation_inverse(double out[9], const double view[16]);
 
 /* ---- light ---- */
 /*
- * The basis that a frame is drawn with: that of its light, or of the last frame's as long as the light has not moved a
- * step, turned as light_roll says. Errors: those of plan_light_basis.
+ * The way that the light travels, and the basis that a frame is drawn with: the light's, or the last frame's as long as
+ * the light has not moved a step, turned as light_roll says. Errors: those of plan_light_basis.
  */
-csm_result plan_light_make(double basis[9], const csm_config *config, const double direction[3],
-                           const plan_history *before, const char **error);
+csm_result plan_light_make(double basis[9], double light[3], const plan_frame_info *info, const char **error);
 
 /* ---- what all cascades of a frame are fitted to ---- */
-/* Across the light: metres from the world's origin, along right and up. */
+/* In light space, metres from the world's origin. */
 typedef struct plan_span {
-  double low[2], high[2];
+  double low[3], high[3];
 } plan_span;
 
 typedef struct plan_fit_frame {
   const csm_config *config;
   const plan_camera *camera;
   const double *basis;
-  double wider[2];                   /* the image that stable fits are sized for; see plan_steady_image */
+  double image[2];                   /* that stable fits are sized for: plan_steady_image */
   const plan_depth_samples *samples; /* of each view */
   uint32_t sample_count;             /* 0: nothing is fitted to them */
   const plan_span *casters;          /* of all that casts into the view; NULL: not known, or of no use */
@@ -124,11 +128,13 @@ void plan_depth_samples_bound(double middle[2], double width[2], const plan_fit_
  * 128 pixels on.
  */
 #define PLAN_OFFSET_STEP (1.0 / 64.0)
+/* Half the width and the height of what a camera sees: tangents of a perspective one, else metres. */
+void plan_image(double half[2], const plan_camera *camera);
 /*
  * The corners in view space of what lies between two view depths: four of its near face, then of its far one, of an
- * image that is so many times as wide and as high as the camera's. False: numbers above PLAN_LARGEST.
+ * image so wide and high. False: numbers above PLAN_LARGEST.
  */
-bool plan_slice_corners(double corners[8][3], const plan_camera *camera, const double wider[2], const double depths[2]);
+bool plan_slice_corners(double corners[8][3], const plan_camera *camera, const double image[2], const double depths[2]);
 /* The least sphere, in view space, around a slice; see sphere.c. Depends on the projection alone. */
 void plan_slice_sphere(double center[3], double *radius, const double corners[8][3]);
 /* The sphere around the mean of its corners, likewise. */
@@ -140,12 +146,13 @@ void plan_view_to_light(double out[3], const plan_camera *camera, const double b
 /* ---- fit ---- */
 /* Where a map lies in light space, before its casters are known. */
 typedef struct plan_fit {
-  double texel[2];  /* metres along right and up */
-  double anchor[3]; /* the point in light space from which texels and depth steps are counted, metres */
-  double place[2];  /* the number of texels that this point counts as */
-  double origin[2]; /* the map's beginning, in texels from the anchor */
-  double depth[2];  /* of the slice along the light, metres */
-  double step;      /* of depths that are rounded, metres */
+  double texel[2];   /* metres along right and up */
+  double anchor[3];  /* the point in light space from which texels and depth steps are counted, metres */
+  double place[2];   /* the number of texels that this point counts as */
+  double origin[2];  /* the map's beginning, in texels from the anchor */
+  double depth[2];   /* of the slice along the light, metres */
+  double casters[2]; /* where all casters begin and end along the light, if the map is narrowed to them */
+  double step;       /* of depths that are rounded, metres */
   uint32_t resolution;
 } plan_fit;
 
@@ -193,6 +200,8 @@ void plan_fit_place(plan_cascade *cascade, const plan_fit *fit, const plan_area 
 double plan_longest_range(const plan_fit *fit, const csm_config *config);
 /* Of a map, before its casters are known. */
 plan_rounding plan_rounding_begin(const plan_fit *fit, const csm_config *config);
+/* Notes the frame's origin, which shaders' positions are relative to: what they are off by grows with the way to it. */
+void plan_rounding_origin(plan_rounding *rounding, const double basis[9], const double origin[3]);
 /* Notes a caster, whose box in light space reaches as far as `end` along the light. */
 void plan_rounding_note(plan_rounding *rounding, const double basis[9], const plan_instance *instance,
                         const plan_bounds *bounds, double end);
@@ -200,8 +209,8 @@ void plan_rounding_note(plan_rounding *rounding, const double basis[9], const pl
 double plan_rounding_shift(const plan_rounding *rounding, double range);
 
 /* ---- what carries on from frame to frame ---- */
-/* How many times as wide, and as high, as the camera's the image is that maps are sized for. */
-void plan_steady_image(double wider[2], const plan_fit_frame *frame);
+/* The image that stable fits are sized for; it holds the camera's. */
+void plan_steady_image(double image[2], const plan_fit_frame *frame);
 /* Fills in anchor and place of a fit whose texels are known; `middle` is the map's in light space. */
 void plan_steady_anchor(plan_fit *fit, const plan_fit_frame *frame, uint32_t cascade, const double middle[3]);
 
@@ -273,8 +282,8 @@ void plan_lists_end(plan_lists *lists, const plan_scene *scene);
 typedef struct plan_light_cull {
   const double *basis;
   const plan_hull *hull;
-  uint32_t layers; /* 0: all */
-  plan_area *areas;
+  uint32_t layers;   /* 0: all */
+  plan_area *areas;  /* whose first_caster is INFINITY yet */
   plan_cache *cache; /* may be NULL */
 } plan_light_cull;
 /* The span of all casters that may shade what lies in the hull; false: there are none. */
@@ -283,6 +292,8 @@ bool plan_casters_span(plan_span *out, const plan_light_cull *cull, const plan_s
 plan_kept plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const plan_scene *scene);
 /* Notes in the one list what may be in the camera's clip volume. */
 void plan_cull_view(plan_lists *lists, const plan_camera *camera, const plan_scene *scene);
+/* Whether a camera sees any receiver, up to a view depth. */
+bool plan_sees_receivers(const plan_camera *camera, const plan_scene *scene, double end);
 
 /* ---- packing ---- */
 /* The transform of positions as they are stored. */

@@ -2,6 +2,7 @@
 #include "plan/internal.h"
 
 #include <math.h>
+#include <string.h>
 
 /*
  * The basis that the shortest rotation from one direction of light to another makes of `right`, which is at right
@@ -70,20 +71,35 @@ static double largest_resolution(const csm_config *config) {
  * "Common Techniques to Improve Shadow Depth Maps" (Microsoft), Moving the light in texel-sized increments: as long as
  * the light has not gone a whole step from the direction that maps were drawn with, they keep it. An angle of n texels
  * over a map's width is n / resolution.
+ *
+ * A small step can do harm. Light that turns so little in a frame that hardly any receiver's filter sees a 255th of
+ * difference changes no more than the texels that a silhouette crosses, and a step gathers up what would never have
+ * been seen. So a slow light moves freely, unless a step is long enough to pay for that too. It pays where it is more
+ * than about 14 times as long as the least turn that is seen; 20 leaves room (docs/accuracy.md).
  */
-csm_result plan_light_make(double basis[9], const csm_config *config, const double direction[3],
-                           const plan_history *before, const char **error) {
-  const csm_result result = plan_light_basis(basis, direction, error);
-  if (result || !before || !before->has_light)
+#define RECEIVERS_AWAY 7.0 /* a map's width, over how far from its anchor, along the light, receivers lie */
+#define STEP_PAYS 20.0
+
+static bool light_rests(const csm_config *config, const double along[3], const plan_history *before) {
+  const double texels = largest_resolution(config), step = config->light_step_texels;
+  if (!(texels * angle_between(&before->basis[6], along) < step))
+    return false;
+  const double seen = RECEIVERS_AWAY * 2.0 * plan_filter_reach_texels(config) / 255.0;
+  return step >= STEP_PAYS * seen || memcmp(before->light, along, sizeof before->light) == 0 ||
+         texels * angle_between(before->light, along) >= seen;
+}
+
+csm_result plan_light_make(double basis[9], double light[3], const plan_frame_info *info, const char **error) {
+  const plan_history *before = info->before;
+  const csm_result result = plan_light_basis(basis, info->light, error);
+  if (result)
     return result;
-  const double *last = &before->basis[6];
-  const double along[3] = {basis[6], basis[7], basis[8]};
-  if (angle_between(last, along) < config->light_step_texels / largest_resolution(config)) {
-    for (int i = 0; i < 9; ++i)
-      basis[i] = before->basis[i];
+  memcpy(light, &basis[6], 3 * sizeof *light);
+  if (!before || !before->has_light)
     return CSM_SUCCESS;
-  }
-  if (config->light_roll == CSM_LIGHT_ROLL_CARRIED)
-    carry(basis, last, before->basis, along);
+  if (light_rests(info->config, light, before))
+    memcpy(basis, before->basis, sizeof before->basis);
+  else if (info->config->light_roll == CSM_LIGHT_ROLL_CARRIED)
+    carry(basis, &before->basis[6], before->basis, light);
   return CSM_SUCCESS;
 }

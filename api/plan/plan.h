@@ -26,10 +26,11 @@ typedef struct plan_camera {
   double view[16], projection[16];
   double position[3]; /* world: the view's origin, whatever the projection */
   double forward[3];  /* world: unit, the way it looks */
-  double near_depth;  /* view depth (distance along forward) of the near plane */
+  double near_depth;  /* view depth (distance along forward) of the near plane; the least of an oblique one */
   double far_depth;   /* INFINITY for an infinite far plane */
   bool reversed;      /* clip z is 1 at the near plane */
   bool orthographic;
+  bool oblique; /* a perspective whose near and far planes are not across the view: they cut other planes out of it */
 } plan_camera;
 /*
  * `reversed` is CSM_REVERSED_*. A perspective matrix tells it, and so does an orthographic one whose near and far plane
@@ -189,7 +190,8 @@ typedef struct plan_anchor {
 /* What a frame hands to the next one. Zero is the first frame. */
 typedef struct plan_history {
   bool has_light, has_samples, has_bounds[CSM_MAX_CASCADES], has_casters_width;
-  double basis[9]; /* of the light that was drawn with */
+  double light[3]; /* the way it travels */
+  double basis[9]; /* that was drawn with; it may rest while the light moves on */
   plan_anchor anchors[CSM_MAX_CASCADES];
   double image[2];                             /* half of what stable fits are sized for along clip x and y: tangents
                                                   of a perspective camera, metres of an orthographic one; 0: none */
@@ -254,6 +256,7 @@ typedef struct plan_frame_info {
   bool others_cast;                        /* the engine draws casters into the maps that no instance tells of */
   const double *origin;                    /* 3; NULL: the camera's position */
   const plan_scene *scene;
+  bool all_receivers;                /* no surfaces but the scene's receivers are asked for visibility */
   plan_cache *cache;                 /* may be NULL */
   const plan_history *before;        /* the last frame's; may be NULL */
   const plan_depth_samples *samples; /* of earlier frames, one for each view */
@@ -286,11 +289,17 @@ void plan_depth_camera_make(plan_camera *out, const plan_camera *camera, const p
 static inline double plan_clear_depth(const plan_camera *camera) {
   return camera->reversed ? 0.0 : 1.0;
 }
-/* The view depth that a depth in a camera's buffer means; INFINITY beyond PLAN_LARGEST. */
+/* The view depth that a depth in a camera's buffer means; INFINITY beyond PLAN_LARGEST. Not of an oblique one. */
 double plan_view_depth(const plan_camera *camera, double depth);
-/* The same place's depth in another camera's buffer; `to` may be NULL, for its view depth: INFINITY if there is no
-   surface. The two see the same way from the same place. */
-double plan_convert_depth(const plan_camera *from, const plan_camera *to, double depth);
+/* A place in a camera's picture: clip x and y, and its depth in the buffer. */
+typedef struct plan_pixel {
+  double x, y, depth;
+} plan_pixel;
+/*
+ * The depth in a camera's buffer of what another one's has at a place; `to` may be NULL, for its view depth: INFINITY if
+ * there is no surface. The two see the same but for their planes, of which either none or both are oblique.
+ */
+double plan_convert_depth(const plan_camera *from, const plan_camera *to, const plan_pixel *pixel);
 
 /* Object to clip of every instance in the list: three float4 rows each (12 floats); w is 1. Precondition: the cache that
    the frame was planned with has not been used since. */

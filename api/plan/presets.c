@@ -1,7 +1,7 @@
 /* presets.c: what a preset makes of a configuration. */
 #include "plan/presets.h"
 
-#include "plan/plan.h"
+#include "plan/internal.h"
 #include <string.h>
 
 const plan_preset *plan_preset_find(const char *name) {
@@ -19,10 +19,6 @@ uint32_t plan_preset_flags(const plan_preset *preset) {
   return flags;
 }
 
-static bool is_double(const csm_config_field *field) {
-  return field->type == CSM_FIELD_DOUBLE || field->type == CSM_FIELD_DOUBLES;
-}
-
 /* The enumerator's number. One past the last, which no check lets through, where there is none of that name. */
 static uint32_t enumerator(const csm_config_field *field, const char *name) {
   uint32_t number = 0;
@@ -33,7 +29,7 @@ static uint32_t enumerator(const csm_config_field *field, const char *name) {
 
 static void set(csm_config *config, const csm_config_field *field, const plan_setting *setting) {
   void *const at = (char *)config + setting->offset;
-  if (is_double(field))
+  if (plan_is_double(field))
     *(double *)at = setting->number;
   else
     *(uint32_t *)at = setting->value ? enumerator(field, setting->value) : (uint32_t)setting->number;
@@ -43,7 +39,7 @@ void plan_preset_config(csm_config *out, const plan_preset *preset) {
   plan_config_default(out);
   const csm_config_field *field;
   for (uint32_t i = 0; (field = plan_config_field(i)); ++i) {
-    const size_t size = field->length * (is_double(field) ? sizeof(double) : sizeof(uint32_t));
+    const size_t size = field->length * (plan_is_double(field) ? sizeof(double) : sizeof(uint32_t));
     for (uint32_t k = 0; k < preset->setting_count; ++k) {
       const uint32_t offset = preset->settings[k].offset;
       if (offset >= field->offset && offset < field->offset + size)

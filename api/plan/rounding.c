@@ -64,6 +64,25 @@ static double beyond(const plan_rounding *rounding, double away, double slope) {
          rounding->covered[1] * fmin(slope, rounding->slope_max);
 }
 
+/* Of any slope. */
+static double beyond_at_most(const plan_rounding *rounding, double away) {
+  return fmax(beyond(rounding, away, 0.0), beyond(rounding, away, STEEPEST));
+}
+
+/* How far a place in the world lies from the slice's middle. */
+static double point_away(const plan_rounding *rounding, const double basis[9], const double point[3]) {
+  double square = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double apart = plan_dot(point, &basis[axis * 3]) - rounding->middle[axis];
+    square += apart * apart;
+  }
+  return sqrt(square);
+}
+
+void plan_rounding_origin(plan_rounding *rounding, const double basis[9], const double origin[3]) {
+  rounding->beyond = fmax(rounding->beyond, beyond_at_most(rounding, point_away(rounding, basis, origin)));
+}
+
 /* ---- what casters are off by ---- */
 
 /*
@@ -96,19 +115,15 @@ static double stored_reach(const plan_instance *instance, const plan_bounds *bou
   return sqrt(square);
 }
 
-/* How far from the slice's middle that is. */
+/* That, from the slice's middle. */
 static double origin_away(const plan_rounding *rounding, const double basis[9], const plan_instance *instance,
                           const plan_bounds *bounds) {
-  double origin[3], square = 0.0;
+  double origin[3];
   for (int i = 0; i < 3; ++i) {
     const double *row = &instance->transform[i * 4];
     origin[i] = plan_dot(row, bounds->offset) + row[3];
   }
-  for (int axis = 0; axis < 3; ++axis) {
-    const double apart = plan_dot(origin, &basis[axis * 3]) - rounding->middle[axis];
-    square += apart * apart;
-  }
-  return sqrt(square);
+  return point_away(rounding, basis, origin);
 }
 
 void plan_rounding_note(plan_rounding *rounding, const double basis[9], const plan_instance *instance,
@@ -121,9 +136,8 @@ void plan_rounding_note(plan_rounding *rounding, const double basis[9], const pl
   plan_placed box;
   plan_place(&box, instance, bounds);
   const double slope = flat_slope(&box, basis, away);
-  const double most = slope >= 0.0 ? beyond(rounding, away, slope)
-                                   : fmax(beyond(rounding, away, 0.0), beyond(rounding, away, STEEPEST));
-  rounding->beyond = fmax(rounding->beyond, most);
+  rounding->beyond =
+      fmax(rounding->beyond, slope < 0.0 ? beyond_at_most(rounding, away) : beyond(rounding, away, slope));
 }
 
 double plan_rounding_shift(const plan_rounding *rounding, double range) {

@@ -3,31 +3,35 @@
 
 #include <math.h>
 
-/*
- * Where the middle of an image that is `wider` times as wide lies along an axis of clip space. It grows about the view
- * axis as an image does when the camera zooms, or about its own middle if the view axis is outside.
- */
-static double image_middle(double offset, double wider) {
-  const double middle = -round(offset / PLAN_OFFSET_STEP) * PLAN_OFFSET_STEP;
-  return fabs(middle) < 1.0 ? middle * wider : middle;
+void plan_image(double half[2], const plan_camera *camera) {
+  for (int i = 0; i < 2; ++i)
+    half[i] = 1.0 / hypot(camera->projection[i], camera->projection[4 + i]);
 }
 
-/* The corners of the slice's face at a view depth, in view space, ordered around the face. */
-static void face_corners(double (*corners)[3], const plan_camera *camera, const double wider[2], double depth) {
+/*
+ * The corners of the slice's face at a view depth, in view space, ordered around the face. An image that is not as wide
+ * as the camera's is wider about the view axis, as when a camera zooms, or about its own middle if the view axis lies
+ * outside. Corners follow from the image's width alone, in every bit, and not from the projection's scale.
+ */
+static void face_corners(double (*corners)[3], const plan_camera *camera, const double image[2], double depth) {
   const double *p = camera->projection;
   const double z = plan_view_side(camera) * depth, w = p[11] * z + p[15];
-  const double offset[2] = {(p[8] * z + p[12]) / w, (p[9] * z + p[13]) / w};
-  const double determinant = p[0] * p[5] - p[4] * p[1];
-  double side[2], middle[2];
+  double axes[2][2], own[2], low[2], high[2];
+  plan_image(own, camera);
   for (int i = 0; i < 2; ++i) {
-    side[i] = (1.0 + PLAN_OFFSET_STEP / 2.0) * wider[i];
-    middle[i] = image_middle(offset[i], wider[i]);
+    const double length = hypot(p[i], p[4 + i]), offset = (p[8 + i] * z + p[12 + i]) / w;
+    const double middle = -round(offset / PLAN_OFFSET_STEP) * PLAN_OFFSET_STEP;
+    const double side = (1.0 + PLAN_OFFSET_STEP / 2.0) * image[i], at = middle * (fabs(middle) < 1.0 ? image : own)[i];
+    axes[i][0] = p[i] / length;
+    axes[i][1] = p[4 + i] / length;
+    low[i] = w * (at - side);
+    high[i] = w * (at + side);
   }
+  const double determinant = axes[0][0] * axes[1][1] - axes[0][1] * axes[1][0];
   for (int i = 0; i < 4; ++i) {
-    const double x = middle[0] + (i == 0 || i == 3 ? -side[0] : side[0]);
-    const double y = middle[1] + (i < 2 ? -side[1] : side[1]);
-    corners[i][0] = w * (p[5] * x - p[4] * y) / determinant;
-    corners[i][1] = w * (p[0] * y - p[1] * x) / determinant;
+    const double x = i == 0 || i == 3 ? low[0] : high[0], y = i < 2 ? low[1] : high[1];
+    corners[i][0] = (axes[1][1] * x - axes[0][1] * y) / determinant;
+    corners[i][1] = (axes[0][0] * y - axes[1][0] * x) / determinant;
     corners[i][2] = z;
   }
 }
@@ -109,10 +113,10 @@ static double stretched(double length) {
   return length * (1.0 + PLAN_RIGID_TOLERANCE / 2.0);
 }
 
-bool plan_slice_corners(double corners[8][3], const plan_camera *camera, const double wider[2],
+bool plan_slice_corners(double corners[8][3], const plan_camera *camera, const double image[2],
                         const double depths[2]) {
-  face_corners(corners, camera, wider, depths[0]);
-  face_corners(corners + 4, camera, wider, depths[1]);
+  face_corners(corners, camera, image, depths[0]);
+  face_corners(corners + 4, camera, image, depths[1]);
   return plan_within(corners[0], 24, PLAN_LARGEST);
 }
 

@@ -19,12 +19,15 @@
 
 /*
  * The share of its width that an image needs of what slices are made for. They leave room for jitter, and an image in
- * the middle knows how much of that it takes up; any other may take up all.
+ * the middle knows how much of that it takes up; any other may take up all. One share for both axes, which so step
+ * together when the camera zooms.
  */
-static double needed_share(const plan_camera *camera, int axis) {
-  const double *p = camera->projection;
-  const double offset = p[(camera->orthographic ? 12 : 8) + axis], by_depth = p[(camera->orthographic ? 8 : 12) + axis];
-  return by_depth == 0.0 ? fmin((1.0 + fabs(offset)) / (1.0 + PLAN_OFFSET_STEP / 2.0), 1.0) : 1.0;
+static double needed_share(const plan_camera *camera) {
+  const double *offset = &camera->projection[camera->orthographic ? 12 : 8];
+  const double *by_depth = &camera->projection[camera->orthographic ? 8 : 12];
+  const double most = fmax(fabs(offset[0]), fabs(offset[1]));
+  const bool everywhere = by_depth[0] == 0.0 && by_depth[1] == 0.0;
+  return everywhere ? fmin((1.0 + most) / (1.0 + PLAN_OFFSET_STEP / 2.0), 1.0) : 1.0;
 }
 
 static double kept_width(double width, double needed, double kept) {
@@ -33,14 +36,13 @@ static double kept_width(double width, double needed, double kept) {
   return kept < needed && needed <= GROWTH * kept ? GROWTH * kept : width;
 }
 
-void plan_steady_image(double wider[2], const plan_fit_frame *frame) {
-  const plan_camera *camera = frame->camera;
-  const double *p = camera->projection;
+void plan_steady_image(double image[2], const plan_fit_frame *frame) {
+  const double share = needed_share(frame->camera);
+  plan_image(image, frame->camera);
   for (int axis = 0; axis < 2; ++axis) {
-    const double width = 1.0 / hypot(p[axis], p[4 + axis]);
-    const double kept = frame->before ? frame->before->image[axis] : 0.0;
-    frame->after->image[axis] = kept_width(width, width * needed_share(camera, axis), kept);
-    wider[axis] = frame->after->image[axis] / width;
+    const double kept = frame->before ? frame->before->image[axis] : 0.0, width = image[axis];
+    image[axis] = kept_width(width, width * share, kept);
+    frame->after->image[axis] = image[axis];
   }
 }
 

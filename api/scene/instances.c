@@ -193,7 +193,6 @@ static void note_change(instances *store, uint32_t slot) {
   store->revisions[slot] = store->revision;
   if (store->revision - store->journal_from > capacity)
     store->journal_from = store->revision - capacity;
-  ++store->changed;
 }
 
 static void count_instance(instances *store, const plan_instance *instance, uint32_t change) {
@@ -225,7 +224,6 @@ csm_result instances_add(instances *store, const instances_meshes *meshes, const
     result = reserve(store, store->live + batch->count, error);
   if (result)
     return result;
-  store->changed = 0;
   for (uint32_t i = 0; i < batch->count; ++i) {
     made = (plan_instance){0};
     (void)take(&made, meshes, batch, i, error); /* as checked above */
@@ -257,7 +255,6 @@ csm_result instances_change(instances *store, const instances_meshes *meshes, co
   const csm_result result = batch->meshes.first ? reserve_chains(store, meshes, error) : CSM_SUCCESS;
   if (result)
     return result;
-  store->changed = 0;
   for (uint32_t i = 0; i < batch->count; ++i) {
     const uint32_t slot = instances_find(store, batch->ids[i]);
     plan_instance *const old = &store->slots[slot];
@@ -302,7 +299,6 @@ csm_result instances_remove(instances *store, const instances_meshes *meshes, co
   const csm_result result = check_removal(store, batch, error);
   if (result)
     return result;
-  store->changed = 0;
   for (uint32_t i = 0; i < batch->count; ++i) {
     const uint32_t slot = instances_find(store, batch->ids[i]);
     --meshes->users[store->slots[slot].mesh];
@@ -319,7 +315,7 @@ csm_result instances_remove(instances *store, const instances_meshes *meshes, co
 csm_result instances_replace(instances *store, const instances_meshes *meshes, const instances_batch *batch,
                              instances_error *error) {
   store->refilled = true;
-  store->live = store->casters = store->receivers = store->changed = 0;
+  store->live = store->casters = store->receivers = 0;
   if (batch->count && (!batch->transforms.first || !batch->meshes.first))
     return fail(error, CSM_ERROR_NULL_POINTER, 0, "there are no transforms, or no meshes");
   csm_result result = check_limit(batch->count, error);
@@ -334,7 +330,7 @@ csm_result instances_replace(instances *store, const instances_meshes *meshes, c
   if (result)
     store->casters = store->receivers = 0;
   else
-    store->live = store->changed = batch->count;
+    store->live = batch->count;
   return result;
 }
 
@@ -346,10 +342,6 @@ void instances_mesh_changed(instances *store, const instances_meshes *meshes, ui
 }
 
 /* ---- looking ---- */
-
-uint64_t instances_id(const instances *store, uint32_t slot) {
-  return slot < store->ids.count && handles_live(&store->ids, slot) ? handles_at(&store->ids, slot) : 0;
-}
 
 uint32_t instances_find(const instances *store, uint64_t id) {
   return handles_find(&store->ids, id);

@@ -68,7 +68,6 @@ typedef struct instances {
   uint32_t meshes;
   uint64_t revision, journal_from;
   uint32_t live, casters, receivers;
-  uint32_t changed; /* by the last batch */
   uint32_t stamp;
 } instances;
 
@@ -105,8 +104,6 @@ csm_result instances_replace(instances *store, const instances_meshes *meshes, c
 /* A mesh has new bounds: its instances' boxes follow. */
 void instances_mesh_changed(instances *store, const instances_meshes *meshes, uint32_t mesh);
 
-/* The id of what a slot holds; 0: it is free, or the store is refilled. */
-uint64_t instances_id(const instances *store, uint32_t slot);
 /* The slot of an id, or UINT32_MAX. */
 uint32_t instances_find(const instances *store, uint64_t id);
 

@@ -83,14 +83,14 @@ static csm_result page_create(gpu_device *device, uint32_t size) {
   const D3D12_DESCRIPTOR_HEAP_DESC heap = {.Type = D3D12_DESCRIPTOR_HEAP_TYPE_CBV_SRV_UAV,
                                            .NumDescriptors = size,
                                            .Flags = D3D12_DESCRIPTOR_HEAP_FLAG_SHADER_VISIBLE};
-  d3d12_page *page = d3d12_allocate(device, sizeof *page);
+  d3d12_page *page = lent_allocate(&device->lent, sizeof *page);
   if (!page)
     return CSM_ERROR_OUT_OF_MEMORY;
   const csm_result result = d3d12_check(
       device, ID3D12Device_CreateDescriptorHeap(device->handle, &heap, &IID_ID3D12DescriptorHeap, (void **)&page->heap),
       "CreateDescriptorHeap");
   if (result != CSM_SUCCESS) {
-    d3d12_release(device, page);
+    lent_release(&device->lent, page);
     return result;
   }
   page->size = size;
@@ -109,12 +109,12 @@ void d3d12_descriptors_destroy(gpu_device *device) {
   for (uint32_t size = 0; size <= D3D12_MAX_BLOCK; size++)
     for (d3d12_block *block = device->free_blocks[size], *next; block; block = next) {
       next = block->next;
-      d3d12_release(device, block);
+      lent_release(&device->lent, block);
     }
   for (d3d12_page *page = device->pages, *next; page; page = next) {
     next = page->next;
     d3d12_unref(page->heap);
-    d3d12_release(device, page);
+    lent_release(&device->lent, page);
   }
 }
 
@@ -132,7 +132,7 @@ static csm_result block_take(gpu_device *device, uint32_t size, d3d12_block **ou
     if (result != CSM_SUCCESS)
       return result;
   }
-  block = d3d12_allocate(device, sizeof *block);
+  block = lent_allocate(&device->lent, sizeof *block);
   if (!block)
     return CSM_ERROR_OUT_OF_MEMORY;
   *block = (d3d12_block){.page = device->pages, .first = device->pages->taken, .size = size};
@@ -202,7 +202,7 @@ csm_result d3d12_bindings_create(gpu_device *device, const gpu_bindings_info *in
   const gpu_program *program = info->program;
   const uint32_t size =
       program->texture_count + program->buffer_count + program->store_image_count + program->store_buffer_count;
-  gpu_bindings *bindings = d3d12_allocate(device, sizeof *bindings);
+  gpu_bindings *bindings = lent_allocate(&device->lent, sizeof *bindings);
   if (!bindings)
     return CSM_ERROR_OUT_OF_MEMORY;
   bindings->constants_count = program->constants_count;
@@ -213,7 +213,7 @@ csm_result d3d12_bindings_create(gpu_device *device, const gpu_bindings_info *in
   if (size) {
     const csm_result result = block_take(device, size, &bindings->block);
     if (result != CSM_SUCCESS) {
-      d3d12_release(device, bindings);
+      lent_release(&device->lent, bindings);
       return result;
     }
     bindings->table = ID3D12DescriptorHeap_GetGPUDescriptorHandleForHeapStart(bindings->block->page->heap);
@@ -229,5 +229,5 @@ void d3d12_bindings_destroy(gpu_device *device, gpu_bindings *bindings) {
     return;
   if (bindings->block)
     block_give_back(device, bindings->block);
-  d3d12_release(device, bindings);
+  lent_release(&device->lent, bindings);
 }

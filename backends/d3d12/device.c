@@ -1,41 +1,8 @@
 /* device.c: a device that own.c opened or engine.c took; errors and names. */
 #include "internal.h"
 
-#include <stdarg.h>
-#include <stdio.h>
-#include <string.h>
 
-/* ---- memory and errors ---- */
-
-void *d3d12_allocate(const gpu_device *device, size_t size) {
-  void *memory = device->host.allocate(device->host.user, size, _Alignof(max_align_t));
-  return memory ? memset(memory, 0, size) : NULL;
-}
-
-void d3d12_release(const gpu_device *device, void *memory) {
-  if (memory)
-    device->host.release(device->host.user, memory);
-}
-
-void d3d12_text(char *out, size_t size, const char *format, ...) {
-  va_list arguments;
-  va_start(arguments, format);
-  vsnprintf(out, size, format, arguments);
-  va_end(arguments);
-}
-
-csm_result d3d12_fail(const gpu_device *device, csm_result result, const char *format, ...) {
-  char text[512];
-  va_list arguments;
-  va_start(arguments, format);
-  vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  if (device->error)
-    d3d12_text(device->error, device->error_size, "%s", text);
-  else
-    device->host.log(device->host.user, CSM_LOG_ERROR, text);
-  return result;
-}
+/* ---- errors and names ---- */
 
 static csm_result result_of(HRESULT hr) {
   switch ((uint32_t)hr) {
@@ -55,8 +22,8 @@ csm_result d3d12_check(const gpu_device *device, HRESULT hr, const char *functio
   if (SUCCEEDED(hr))
     return CSM_SUCCESS;
   const bool lost = FAILED(ID3D12Device_GetDeviceRemovedReason(device->handle));
-  return d3d12_fail(device, lost ? CSM_ERROR_DEVICE_LOST : result_of(hr), "%s: HRESULT 0x%08x%s", function,
-                    (uint32_t)hr, lost ? ", the device is lost" : "");
+  return lent_fail(&device->lent, lost ? CSM_ERROR_DEVICE_LOST : result_of(hr), "%s: HRESULT 0x%08x%s", function,
+                   (uint32_t)hr, lost ? ", the device is lost" : "");
 }
 
 void d3d12_name(void *object, const char *name) {
@@ -78,18 +45,12 @@ void d3d12_unref(void *object) {
 /* ---- opening and closing ---- */
 
 static csm_result device_new(const gpu_open_info *info, gpu_device **out) {
-  const gpu_host *host = info->host;
-  gpu_device *device = host->allocate(host->user, sizeof *device, _Alignof(gpu_device));
+  const gpu_lent lent = lent_begin(info);
+  gpu_device *device = lent_allocate(&lent, sizeof *device);
   if (!device)
     return CSM_ERROR_OUT_OF_MEMORY;
-  *device = (gpu_device){.host = *host,
-                         .error = info->error && info->error_size ? info->error : NULL,
-                         .error_size = info->error_size,
-                         .slot_count = info->slots,
-                         .own = !info->native,
-                         .traits = d3d12_runtime_traits()};
-  if (device->error)
-    device->error[0] = 0;
+  *device =
+      (gpu_device){.lent = lent, .slot_count = info->slots, .own = !info->native, .traits = d3d12_runtime_traits()};
   *out = device;
   return CSM_SUCCESS;
 }
@@ -138,7 +99,7 @@ csm_result d3d12_open(const gpu_open_info *info, gpu_device **out) {
     result = d3d12_own_open(device);
   if (result == CSM_SUCCESS)
     result = device_use(device);
-  device->error = NULL;
+  device->lent.error = NULL;
   if (result == CSM_SUCCESS)
     *out = device;
   else
@@ -162,6 +123,6 @@ void d3d12_close(gpu_device *device) {
     d3d12_own_close(device);
   else
     d3d12_unref(device->handle);
-  const gpu_host host = device->host;
-  host.release(host.user, device);
+  const gpu_lent lent = device->lent;
+  lent_release(&lent, device);
 }

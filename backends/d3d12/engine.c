@@ -10,7 +10,8 @@ static csm_result read_struct(const gpu_device *device, const char *name, void *
   const csm_result result = struct_read(out, size, native);
   if (result == CSM_SUCCESS)
     return result;
-  return d3d12_fail(device, result, "%s: its struct_size is of no version, or its unknown tail is not zero", name);
+  return lent_fail(&device->lent, result, "%s: its struct_size is of no version, or its unknown tail is not zero",
+                   name);
 }
 
 csm_result d3d12_engine_take(gpu_device *device, const void *native_device) {
@@ -19,15 +20,15 @@ csm_result d3d12_engine_take(gpu_device *device, const void *native_device) {
   if (result != CSM_SUCCESS)
     return result;
   if (native.reserved)
-    return d3d12_fail(device, CSM_ERROR_INVALID_VALUE, "csm_d3d12_device: reserved is not 0");
+    return lent_fail(&device->lent, CSM_ERROR_INVALID_VALUE, "csm_d3d12_device: reserved is not 0");
   if (!native.device || !native.serialize_root_signature)
-    return d3d12_fail(device, CSM_ERROR_NULL_POINTER, "csm_d3d12_device: %s is NULL",
-                      native.device ? "serialize_root_signature" : "device");
+    return lent_fail(&device->lent, CSM_ERROR_NULL_POINTER, "csm_d3d12_device: %s is NULL",
+                     native.device ? "serialize_root_signature" : "device");
   if (!native.allocate_memory != !native.free_memory)
-    return d3d12_fail(device, CSM_ERROR_NULL_POINTER, "csm_d3d12_device: %s is NULL",
-                      native.free_memory ? "allocate_memory" : "free_memory");
+    return lent_fail(&device->lent, CSM_ERROR_NULL_POINTER, "csm_d3d12_device: %s is NULL",
+                     native.free_memory ? "allocate_memory" : "free_memory");
   if (!d3d12_has_feature_level(native.device))
-    return d3d12_fail(device, CSM_ERROR_UNSUPPORTED, "csm_d3d12_device: the device lacks feature level 11_0");
+    return lent_fail(&device->lent, CSM_ERROR_UNSUPPORTED, "csm_d3d12_device: the device lacks feature level 11_0");
   device->handle = native.device;
   ID3D12Device_AddRef(device->handle);
   *(void **)&device->serialize = native.serialize_root_signature;
@@ -95,13 +96,13 @@ csm_result d3d12_image_import(gpu_device *device, const void *native_image, gpu_
   if (result != CSM_SUCCESS)
     return result;
   if (!native.resource)
-    return d3d12_fail(device, CSM_ERROR_NULL_POINTER, "csm_d3d12_image: resource is NULL");
+    return lent_fail(&device->lent, CSM_ERROR_NULL_POINTER, "csm_d3d12_image: resource is NULL");
   ID3D12Resource *resource = native.resource;
   const D3D12_RESOURCE_DESC description = ID3D12Resource_GetDesc(resource);
   const char *fault = image_fault(&native, texels, &description);
   if (fault)
-    return d3d12_fail(device, CSM_ERROR_INVALID_VALUE, "csm_d3d12_image: %s", fault);
-  gpu_image *image = d3d12_allocate(device, sizeof *image);
+    return lent_fail(&device->lent, CSM_ERROR_INVALID_VALUE, "csm_d3d12_image: %s", fault);
+  gpu_image *image = lent_allocate(&device->lent, sizeof *image);
   if (!image)
     return CSM_ERROR_OUT_OF_MEMORY;
   image->borrowed = true;
@@ -123,7 +124,7 @@ csm_result d3d12_image_import(gpu_device *device, const void *native_image, gpu_
 enum { LARGEST_STRIDE = 2048 };
 
 static csm_result import_buffer(gpu_device *device, ID3D12Resource *resource, gpu_buffer **out) {
-  gpu_buffer *buffer = d3d12_allocate(device, sizeof *buffer);
+  gpu_buffer *buffer = lent_allocate(&device->lent, sizeof *buffer);
   *out = buffer;
   if (!buffer)
     return CSM_ERROR_OUT_OF_MEMORY;
@@ -145,11 +146,11 @@ static const char *buffer_fault(ID3D12Resource *resource, uint64_t offset) {
 
 static csm_result check_mesh(const gpu_device *device, const csm_d3d12_mesh *native) {
   if (!native->vertices || !native->indices)
-    return d3d12_fail(device, CSM_ERROR_NULL_POINTER, "csm_d3d12_mesh: %s is NULL",
-                      native->vertices ? "indices" : "vertices");
+    return lent_fail(&device->lent, CSM_ERROR_NULL_POINTER, "csm_d3d12_mesh: %s is NULL",
+                     native->vertices ? "indices" : "vertices");
   if (native->vertex_stride < 12 || native->vertex_stride % 4 || native->vertex_stride > LARGEST_STRIDE)
-    return d3d12_fail(device, CSM_ERROR_INVALID_VALUE,
-                      "csm_d3d12_mesh: vertex_stride is no multiple of 4 from 12 to 2048");
+    return lent_fail(&device->lent, CSM_ERROR_INVALID_VALUE,
+                     "csm_d3d12_mesh: vertex_stride is no multiple of 4 from 12 to 2048");
   const char *fault = buffer_fault(native->vertices, native->vertex_offset);
   if (!fault)
     fault = buffer_fault(native->indices, native->index_offset);
@@ -157,7 +158,7 @@ static csm_result check_mesh(const gpu_device *device, const csm_d3d12_mesh *nat
     fault = "index_offset lies beyond 4 GiB";
   if (!fault && native->reserved)
     fault = "reserved is not 0";
-  return fault ? d3d12_fail(device, CSM_ERROR_INVALID_VALUE, "csm_d3d12_mesh: %s", fault) : CSM_SUCCESS;
+  return fault ? lent_fail(&device->lent, CSM_ERROR_INVALID_VALUE, "csm_d3d12_mesh: %s", fault) : CSM_SUCCESS;
 }
 
 csm_result d3d12_geometry_import(gpu_device *device, const void *native_mesh, gpu_geometry *out) {

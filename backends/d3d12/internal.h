@@ -9,6 +9,7 @@
 #define D3D12_INTERNAL_H
 
 #include "../gpu.h"
+#include "../lent.h"
 #include "csm/csm_d3d12.h"
 #include "runtime.h"
 
@@ -134,9 +135,7 @@ typedef struct d3d12_bound {
 } d3d12_bound;
 
 struct gpu_device {
-  gpu_host host;
-  char *error; /* while the device is being opened: where texts of errors go instead of the log; else NULL */
-  size_t error_size;
+  gpu_lent lent;
 
   /* obtained by own.c or engine.c */
   bool own; /* else an engine's */
@@ -184,12 +183,6 @@ struct gpu_device {
 };
 
 /* ---- device.c ---- */
-void *d3d12_allocate(const gpu_device *device, size_t size); /* zeroed; NULL when out of memory */
-void d3d12_release(const gpu_device *device, void *memory);  /* takes NULL */
-__attribute__((format(printf, 3, 4))) void d3d12_text(char *out, size_t size, const char *format, ...);
-/* Reports an error in words, and returns it. */
-__attribute__((format(printf, 3, 4))) csm_result d3d12_fail(const gpu_device *device, csm_result result,
-                                                            const char *format, ...);
 /* The csm_result of an HRESULT; a failure is reported with the name of the function that failed. */
 csm_result d3d12_check(const gpu_device *device, HRESULT hr, const char *function);
 /* Names an ID3D12Object for debuggers; NULL is no name. */

@@ -32,9 +32,10 @@ static csm_result create_placed(gpu_device *device, const csm_d3d12_memory_reque
     return result;
   }
   if (!out->memory.heap)
-    return d3d12_fail(device, CSM_ERROR_OUT_OF_DEVICE_MEMORY, "the engine's allocate_memory: heap is NULL");
+    return lent_fail(&device->lent, CSM_ERROR_OUT_OF_DEVICE_MEMORY, "the engine's allocate_memory: heap is NULL");
   if (out->memory.offset % request->alignment)
-    return d3d12_fail(device, CSM_ERROR_DEVICE, "the engine's allocate_memory: offset is no multiple of the alignment");
+    return lent_fail(&device->lent, CSM_ERROR_DEVICE,
+                     "the engine's allocate_memory: offset is no multiple of the alignment");
   return d3d12_check(device,
                      ID3D12Device_CreatePlacedResource(device->handle, out->memory.heap, out->memory.offset,
                                                        description, state, NULL, &IID_ID3D12Resource,

@@ -26,6 +26,6 @@ void d3d12_own_close(gpu_device *device) {
   d3d12_unref(device->queue);
   const ULONG references = device->handle ? ID3D12Device_Release(device->handle) : 0;
   if (references)
-    d3d12_fail(device, CSM_ERROR_DEVICE, "the device still has %u references when it is closed", references);
+    lent_fail(&device->lent, CSM_ERROR_DEVICE, "the device still has %u references when it is closed", references);
   d3d12_runtime_close(device);
 }

@@ -66,8 +66,8 @@ csm_result d3d12_program_create(gpu_device *device, const gpu_program_info *info
   *out = NULL;
   const char *lacks = unsupported(device, info);
   if (lacks)
-    return d3d12_fail(device, CSM_ERROR_UNSUPPORTED, "%s: the device has no %s", info->name, lacks);
-  gpu_program *program = d3d12_allocate(device, sizeof *program);
+    return lent_fail(&device->lent, CSM_ERROR_UNSUPPORTED, "%s: the device has no %s", info->name, lacks);
+  gpu_program *program = lent_allocate(&device->lent, sizeof *program);
   if (!program)
     return CSM_ERROR_OUT_OF_MEMORY;
   program->constants_count = info->constants_count;
@@ -93,5 +93,5 @@ void d3d12_program_destroy(gpu_device *device, gpu_program *program) {
     return;
   d3d12_unref(program->pipeline);
   d3d12_unref(program->signature);
-  d3d12_release(device, program);
+  lent_release(&device->lent, program);
 }

@@ -41,7 +41,7 @@ static D3D12_RESOURCE_STATES readable_state(uint32_t usage) {
 
 csm_result d3d12_buffer_create(gpu_device *device, const gpu_buffer_info *info, gpu_buffer **out) {
   *out = NULL;
-  gpu_buffer *buffer = d3d12_allocate(device, sizeof *buffer);
+  gpu_buffer *buffer = lent_allocate(&device->lent, sizeof *buffer);
   if (!buffer)
     return CSM_ERROR_OUT_OF_MEMORY;
   buffer->kind = info->kind;
@@ -75,7 +75,7 @@ void d3d12_buffer_destroy(gpu_device *device, gpu_buffer *buffer) {
   if (!buffer)
     return;
   d3d12_resource_destroy(device, &buffer->resource);
-  d3d12_release(device, buffer);
+  lent_release(&device->lent, buffer);
 }
 
 void *d3d12_buffer_memory(gpu_buffer *buffer) {
@@ -101,7 +101,7 @@ csm_result d3d12_image_create(gpu_device *device, const gpu_image_info *info, gp
   *out = NULL;
   const uint32_t levels = info->levels ? info->levels : 1;
   const size_t count = (size_t)info->layers * levels;
-  gpu_image *image = d3d12_allocate(device, sizeof *image + 2 * count * sizeof *image->states);
+  gpu_image *image = lent_allocate(&device->lent, sizeof *image + 2 * count * sizeof *image->states);
   if (!image)
     return CSM_ERROR_OUT_OF_MEMORY;
   image->format = info->format;
@@ -138,7 +138,7 @@ void d3d12_image_destroy(gpu_device *device, gpu_image *image) {
     return;
   d3d12_unref(image->clear_heap);
   d3d12_resource_destroy(device, &image->resource);
-  d3d12_release(device, image);
+  lent_release(&device->lent, image);
 }
 
 uint64_t d3d12_image_bytes(const gpu_image *image) {
@@ -198,7 +198,7 @@ void d3d12_image_describe(gpu_device *device, const gpu_image *image, uint64_t d
 }
 
 csm_result d3d12_view_create(gpu_device *device, const gpu_view_info *info, gpu_view **out) {
-  *out = d3d12_allocate(device, sizeof **out);
+  *out = lent_allocate(&device->lent, sizeof **out);
   if (!*out)
     return CSM_ERROR_OUT_OF_MEMORY;
   **out = (gpu_view){.image = info->image, .range = d3d12_range(info->image, &info->range)};
@@ -206,7 +206,7 @@ csm_result d3d12_view_create(gpu_device *device, const gpu_view_info *info, gpu_
 }
 
 void d3d12_view_destroy(gpu_device *device, gpu_view *view) {
-  d3d12_release(device, view);
+  lent_release(&device->lent, view);
 }
 
 /* ---- what clears depths by copies ---- */

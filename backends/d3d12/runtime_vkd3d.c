@@ -68,8 +68,8 @@ static csm_result open_library(const gpu_device *device, const char *name, const
   if (*out)
     return CSM_SUCCESS;
   const char *reason = dlerror();
-  return d3d12_fail(device, CSM_ERROR_NO_DEVICE, "%s (Debian's package %s) cannot be opened: %s", name, package,
-                    reason ? reason : "no reason given");
+  return lent_fail(&device->lent, CSM_ERROR_NO_DEVICE, "%s (Debian's package %s) cannot be opened: %s", name, package,
+                   reason ? reason : "no reason given");
 }
 
 static csm_result open_libraries(const gpu_device *device, d3d12_runtime *runtime) {
@@ -94,8 +94,8 @@ static csm_result open_libraries(const gpu_device *device, d3d12_runtime *runtim
   for (size_t i = 0; i < sizeof entries / sizeof *entries; i++) {
     *entries[i].out = dlsym(entries[i].library, entries[i].name);
     if (!*entries[i].out)
-      return d3d12_fail(device, CSM_ERROR_NO_DEVICE, "%s has no %s", i ? "libvkd3d.so.1" : "libvulkan.so.1",
-                        entries[i].name);
+      return lent_fail(&device->lent, CSM_ERROR_NO_DEVICE, "%s has no %s", i ? "libvkd3d.so.1" : "libvulkan.so.1",
+                       entries[i].name);
   }
   return CSM_SUCCESS;
 }
@@ -206,7 +206,7 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL log_message(VkDebugUtilsMessageSeverityFla
                                                   const VkDebugUtilsMessengerCallbackDataEXT *data, void *user) {
   (void)types;
   const gpu_device *device = user;
-  physical_log(&device->host, severity, data->pMessage);
+  physical_log(&device->lent.host, severity, data->pMessage);
   return VK_FALSE;
 }
 
@@ -224,7 +224,7 @@ static csm_result create_messenger(gpu_device *device, d3d12_runtime *runtime) {
   if (create && create(runtime->vk_instance, &info, NULL, &runtime->messenger) == VK_SUCCESS)
     return CSM_SUCCESS;
   runtime->messenger = VK_NULL_HANDLE;
-  return d3d12_fail(device, CSM_ERROR_DEVICE, "the validation layer's messages cannot be received");
+  return lent_fail(&device->lent, CSM_ERROR_DEVICE, "the validation layer's messages cannot be received");
 }
 
 static void destroy_messenger(d3d12_runtime *runtime) {
@@ -238,12 +238,12 @@ static void destroy_messenger(d3d12_runtime *runtime) {
 static csm_result event_create(gpu_device *device, d3d12_runtime *runtime) {
   pthread_condattr_t attributes;
   if (pthread_condattr_init(&attributes))
-    return d3d12_fail(device, CSM_ERROR_OUT_OF_MEMORY, "out of memory");
+    return lent_fail(&device->lent, CSM_ERROR_OUT_OF_MEMORY, "out of memory");
   pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
   const int failed = pthread_cond_init(&runtime->event.changed, &attributes);
   pthread_condattr_destroy(&attributes);
   if (failed)
-    return d3d12_fail(device, CSM_ERROR_OUT_OF_MEMORY, "out of memory");
+    return lent_fail(&device->lent, CSM_ERROR_OUT_OF_MEMORY, "out of memory");
   pthread_mutex_init(&runtime->event.mutex, NULL);
   runtime->has_event = true;
   return CSM_SUCCESS;
@@ -279,10 +279,12 @@ HRESULT d3d12_runtime_wait(d3d12_runtime *runtime, ID3D12Fence *fence, uint64_t 
 static csm_result create_instance(gpu_device *device, d3d12_runtime *runtime, bool asked) {
   const bool validate = asked && has_validation_layer(runtime);
   if (asked && !validate)
-    device->host.log(device->host.user, CSM_LOG_WARNING, VALIDATION_LAYER " is not installed: nothing is validated");
+    device->lent.host.log(device->lent.host.user, CSM_LOG_WARNING,
+                          VALIDATION_LAYER " is not installed: nothing is validated");
   if (validate && !has_validation_features((PFN_vkEnumerateInstanceExtensionProperties)instance_function(
                       runtime, "vkEnumerateInstanceExtensionProperties")))
-    device->host.log(device->host.user, CSM_LOG_WARNING, VALIDATION_LAYER " is too old to validate synchronization");
+    device->lent.host.log(device->lent.host.user, CSM_LOG_WARNING,
+                          VALIDATION_LAYER " is too old to validate synchronization");
 
   const struct vkd3d_application_info application = {
       .type = VKD3D_STRUCTURE_TYPE_APPLICATION_INFO,
@@ -300,8 +302,8 @@ static csm_result create_instance(gpu_device *device, d3d12_runtime *runtime, bo
   const HRESULT hr = runtime->create_instance(&info, &runtime->instance);
   if (FAILED(hr)) {
     runtime->instance = NULL;
-    return d3d12_fail(device, CSM_ERROR_NO_DEVICE, "vkd3d found no usable Vulkan driver (HRESULT 0x%08x)",
-                      (uint32_t)hr);
+    return lent_fail(&device->lent, CSM_ERROR_NO_DEVICE, "vkd3d found no usable Vulkan driver (HRESULT 0x%08x)",
+                     (uint32_t)hr);
   }
   runtime->vk_instance = runtime->get_vk_instance(runtime->instance);
   return validate ? create_messenger(device, runtime) : CSM_SUCCESS;
@@ -333,7 +335,7 @@ static csm_result select_physical(gpu_device *device, d3d12_runtime *runtime, co
   choose_choice choice = {.part = name};
   char refusal[512];
   if (enumerate(runtime->vk_instance, &count, list) < 0 || count == 0)
-    return d3d12_fail(device, CSM_ERROR_NO_DEVICE, "no Vulkan device for vkd3d was found");
+    return lent_fail(&device->lent, CSM_ERROR_NO_DEVICE, "no Vulkan device for vkd3d was found");
   for (uint32_t i = 0; i < count; i++) {
     VkPhysicalDeviceProperties properties;
     get_properties(list[i], &properties);
@@ -346,7 +348,7 @@ static csm_result select_physical(gpu_device *device, d3d12_runtime *runtime, co
   if (runtime->physical)
     return CSM_SUCCESS;
   choose_refusal(&choice, refusal, sizeof refusal);
-  return d3d12_fail(device, CSM_ERROR_NO_DEVICE, "%s", refusal);
+  return lent_fail(&device->lent, CSM_ERROR_NO_DEVICE, "%s", refusal);
 }
 
 /* ---- description ---- */
@@ -379,7 +381,7 @@ static csm_result describe_sizes(gpu_device *device, const d3d12_runtime *runtim
   VkPhysicalDeviceMemoryProperties memory;
   if (get(runtime->physical, VK_FORMAT_D32_SFLOAT, VK_IMAGE_TYPE_2D, VK_IMAGE_TILING_OPTIMAL, physical_depth_usage, 0,
           &depth) != VK_SUCCESS)
-    return d3d12_fail(device, CSM_ERROR_NO_DEVICE, "%s has no D32_FLOAT images", info->name);
+    return lent_fail(&device->lent, CSM_ERROR_NO_DEVICE, "%s has no D32_FLOAT images", info->name);
   get_memory(runtime->physical, &memory);
   const physical_limits all = {.device = limits, .depth = &depth, .memory = &memory, .max_allocation = max_allocation};
   physical_sizes(&all, info);
@@ -445,7 +447,7 @@ static csm_result describe_physical(gpu_device *device, const d3d12_runtime *run
   const PFN_vkGetPhysicalDeviceProperties2 get =
       (PFN_vkGetPhysicalDeviceProperties2)instance_function(runtime, "vkGetPhysicalDeviceProperties2KHR");
   if (!get)
-    return d3d12_fail(device, CSM_ERROR_NO_DEVICE, "the Vulkan driver has no vkGetPhysicalDeviceProperties2KHR");
+    return lent_fail(&device->lent, CSM_ERROR_NO_DEVICE, "the Vulkan driver has no vkGetPhysicalDeviceProperties2KHR");
   /* A driver that does not know the driver's properties leaves them empty. */
   VkPhysicalDeviceDriverProperties driver = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
   VkPhysicalDeviceMaintenance3Properties sizes = {.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,
@@ -455,9 +457,9 @@ static csm_result describe_physical(gpu_device *device, const d3d12_runtime *run
 
   gpu_device_info *info = &device->info;
   info->type = physical_type(all.properties.deviceType);
-  d3d12_text(info->name, sizeof info->name, "%s", all.properties.deviceName);
-  d3d12_text(info->driver, sizeof info->driver, "%s on %.96s %.96s", vkd3d_version(runtime), driver.driverName,
-             driver.driverInfo);
+  lent_text(info->name, sizeof info->name, "%s", all.properties.deviceName);
+  lent_text(info->driver, sizeof info->driver, "%s on %.96s %.96s", vkd3d_version(runtime), driver.driverName,
+            driver.driverInfo);
   describe_capabilities(runtime, &all.properties.limits, &info->can);
   return describe_sizes(device, runtime, &all.properties.limits, sizes.maxMemoryAllocationSize);
 }
@@ -471,13 +473,13 @@ static csm_result find_memory_budget(gpu_device *device, d3d12_runtime *runtime)
   uint32_t count = 0;
   if (enumerate(runtime->physical, NULL, &count, NULL) != VK_SUCCESS || count == 0)
     return CSM_SUCCESS;
-  VkExtensionProperties *extensions = d3d12_allocate(device, count * sizeof *extensions);
+  VkExtensionProperties *extensions = lent_allocate(&device->lent, count * sizeof *extensions);
   if (!extensions)
-    return d3d12_fail(device, CSM_ERROR_OUT_OF_MEMORY, "out of memory");
+    return lent_fail(&device->lent, CSM_ERROR_OUT_OF_MEMORY, "out of memory");
   if (enumerate(runtime->physical, NULL, &count, extensions) >= 0)
     for (uint32_t i = 0; i < count; i++)
       runtime->memory_budget |= strcmp(extensions[i].extensionName, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME) == 0;
-  d3d12_release(device, extensions);
+  lent_release(&device->lent, extensions);
   return CSM_SUCCESS;
 }
 
@@ -498,9 +500,9 @@ uint64_t d3d12_runtime_memory_available(const d3d12_runtime *runtime) {
 /* ---- opening and closing ---- */
 
 csm_result d3d12_runtime_open(gpu_device *device, const gpu_open_info *info) {
-  d3d12_runtime *runtime = d3d12_allocate(device, sizeof *runtime);
+  d3d12_runtime *runtime = lent_allocate(&device->lent, sizeof *runtime);
   if (!runtime)
-    return d3d12_fail(device, CSM_ERROR_OUT_OF_MEMORY, "out of memory");
+    return lent_fail(&device->lent, CSM_ERROR_OUT_OF_MEMORY, "out of memory");
   device->runtime = runtime;
   csm_result result = event_create(device, runtime);
   if (result == CSM_SUCCESS)
@@ -528,8 +530,8 @@ csm_result d3d12_runtime_create_device(gpu_device *device) {
   if (SUCCEEDED(hr))
     return CSM_SUCCESS;
   device->handle = NULL;
-  return d3d12_fail(device, CSM_ERROR_NO_DEVICE, "vkd3d cannot open %s at feature level 11_0 (HRESULT 0x%08x)",
-                    device->info.name, (uint32_t)hr);
+  return lent_fail(&device->lent, CSM_ERROR_NO_DEVICE, "vkd3d cannot open %s at feature level 11_0 (HRESULT 0x%08x)",
+                   device->info.name, (uint32_t)hr);
 }
 
 HRESULT d3d12_runtime_serialize(const d3d12_runtime *runtime, const D3D12_ROOT_SIGNATURE_DESC *signature,
@@ -553,6 +555,6 @@ void d3d12_runtime_close(gpu_device *device) {
     pthread_mutex_destroy(&runtime->event.mutex);
     pthread_cond_destroy(&runtime->event.changed);
   }
-  d3d12_release(device, runtime);
+  lent_release(&device->lent, runtime);
   device->runtime = NULL;
 }

@@ -68,7 +68,7 @@ static csm_result list_begin(gpu_device *device, uint32_t slot_index) {
 
 static csm_result list_take(const gpu_device *device, ID3D12GraphicsCommandList *list) {
   if (ID3D12GraphicsCommandList_GetType(list) != D3D12_COMMAND_LIST_TYPE_DIRECT)
-    return d3d12_fail(device, CSM_ERROR_INVALID_VALUE, "the command list is not a direct one");
+    return lent_fail(&device->lent, CSM_ERROR_INVALID_VALUE, "the command list is not a direct one");
   return d3d12_check(device, ID3D12Device_GetDeviceRemovedReason(device->handle), "GetDeviceRemovedReason");
 }
 

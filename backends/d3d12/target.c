@@ -46,7 +46,7 @@ static csm_result color_view_create(gpu_device *device, const gpu_image *image, 
 
 csm_result d3d12_target_create(gpu_device *device, const gpu_target_info *info, gpu_target **out) {
   *out = NULL;
-  gpu_target *target = d3d12_allocate(device, sizeof *target);
+  gpu_target *target = lent_allocate(&device->lent, sizeof *target);
   if (!target)
     return CSM_ERROR_OUT_OF_MEMORY;
   target->depth = (d3d12_attachment){.image = info->depth, .range = {info->depth_layer, 1, info->depth_level, 1}};
@@ -73,7 +73,7 @@ void d3d12_target_destroy(gpu_device *device, gpu_target *target) {
     return;
   d3d12_unref(target->depth.heap);
   d3d12_unref(target->color.heap);
-  d3d12_release(device, target);
+  lent_release(&device->lent, target);
 }
 
 csm_result d3d12_target_native(gpu_device *device, gpu_format depth, gpu_format color, gpu_native_target *out) {

@@ -171,7 +171,7 @@ void vulkan_bindings_write(gpu_device *device, gpu_bindings *bindings, const gpu
 csm_result vulkan_bindings_create(gpu_device *device, const gpu_bindings_info *info, gpu_bindings **out) {
   *out = NULL;
   const gpu_program *program = info->program;
-  gpu_bindings *bindings = vulkan_allocate(device, sizeof *bindings);
+  gpu_bindings *bindings = lent_allocate(&device->lent, sizeof *bindings);
   if (!bindings)
     return CSM_ERROR_OUT_OF_MEMORY;
   bindings->layout = program->layout;
@@ -194,5 +194,5 @@ void vulkan_bindings_destroy(gpu_device *device, gpu_bindings *bindings) {
   if (!bindings)
     return;
   device->vk.DestroyDescriptorPool(device->handle, bindings->pool, NULL);
-  vulkan_release(device, bindings);
+  lent_release(&device->lent, bindings);
 }

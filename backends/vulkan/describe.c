@@ -89,11 +89,11 @@ csm_result vulkan_describe_physical(gpu_device *device) {
   info->type = physical_type(properties->deviceType);
   info->required = vulkan_required;
   info->optional = vulkan_optional;
-  vulkan_text(info->name, sizeof info->name, "%s", properties->deviceName);
+  lent_text(info->name, sizeof info->name, "%s", properties->deviceName);
   if (device->driver_properties)
-    vulkan_text(info->driver, sizeof info->driver, "%.120s %.120s", driver.driverName, driver.driverInfo);
+    lent_text(info->driver, sizeof info->driver, "%.120s %.120s", driver.driverName, driver.driverInfo);
   else
-    vulkan_text(info->driver, sizeof info->driver, "version 0x%08x", properties->driverVersion);
+    lent_text(info->driver, sizeof info->driver, "version 0x%08x", properties->driverVersion);
   describe_queue(device, &properties->limits);
   describe_abilities(device, &properties->limits);
   return describe_sizes(device, &properties->limits, sizes.maxMemoryAllocationSize);

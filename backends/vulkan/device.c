@@ -1,41 +1,9 @@
 /* device.c: a device from handles that own.c or engine.c obtained; errors and names. */
 #include "internal.h"
 
-#include <stdarg.h>
-#include <stdio.h>
 #include <string.h>
 
-/* ---- memory and errors ---- */
-
-void *vulkan_allocate(const gpu_device *device, size_t size) {
-  void *memory = device->host.allocate(device->host.user, size, _Alignof(max_align_t));
-  return memory ? memset(memory, 0, size) : NULL;
-}
-
-void vulkan_release(const gpu_device *device, void *memory) {
-  if (memory)
-    device->host.release(device->host.user, memory);
-}
-
-void vulkan_text(char *out, size_t size, const char *format, ...) {
-  va_list arguments;
-  va_start(arguments, format);
-  vsnprintf(out, size, format, arguments);
-  va_end(arguments);
-}
-
-csm_result vulkan_fail(const gpu_device *device, csm_result result, const char *format, ...) {
-  char text[512];
-  va_list arguments;
-  va_start(arguments, format);
-  vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  if (device->error)
-    vulkan_text(device->error, device->error_size, "%s", text);
-  else
-    device->host.log(device->host.user, CSM_LOG_ERROR, text);
-  return result;
-}
+/* ---- errors and names ---- */
 
 csm_result vulkan_check(const gpu_device *device, VkResult result, const char *function) {
   switch (result) {
@@ -43,16 +11,16 @@ csm_result vulkan_check(const gpu_device *device, VkResult result, const char *f
   case VK_INCOMPLETE:
     return CSM_SUCCESS;
   case VK_ERROR_OUT_OF_HOST_MEMORY:
-    return vulkan_fail(device, CSM_ERROR_OUT_OF_MEMORY, "%s: out of host memory", function);
+    return lent_fail(&device->lent, CSM_ERROR_OUT_OF_MEMORY, "%s: out of host memory", function);
   case VK_ERROR_OUT_OF_DEVICE_MEMORY:
   case VK_ERROR_OUT_OF_POOL_MEMORY:
   case VK_ERROR_FRAGMENTED_POOL:
   case VK_ERROR_TOO_MANY_OBJECTS:
-    return vulkan_fail(device, CSM_ERROR_OUT_OF_DEVICE_MEMORY, "%s: out of device memory", function);
+    return lent_fail(&device->lent, CSM_ERROR_OUT_OF_DEVICE_MEMORY, "%s: out of device memory", function);
   case VK_ERROR_DEVICE_LOST:
-    return vulkan_fail(device, CSM_ERROR_DEVICE_LOST, "%s: the device is lost", function);
+    return lent_fail(&device->lent, CSM_ERROR_DEVICE_LOST, "%s: the device is lost", function);
   default:
-    return vulkan_fail(device, CSM_ERROR_DEVICE, "%s: VkResult %d", function, (int)result);
+    return lent_fail(&device->lent, CSM_ERROR_DEVICE, "%s: VkResult %d", function, (int)result);
   }
 }
 
@@ -75,17 +43,11 @@ void vulkan_name(const gpu_device *device, VkObjectType type, uint64_t handle, c
 /* ---- opening and closing ---- */
 
 static csm_result device_new(const gpu_open_info *info, gpu_device **out) {
-  const gpu_host *host = info->host;
-  gpu_device *device = host->allocate(host->user, sizeof *device, _Alignof(gpu_device));
+  const gpu_lent lent = lent_begin(info);
+  gpu_device *device = lent_allocate(&lent, sizeof *device);
   if (!device)
     return CSM_ERROR_OUT_OF_MEMORY;
-  *device = (gpu_device){.host = *host,
-                         .error = info->error && info->error_size ? info->error : NULL,
-                         .error_size = info->error_size,
-                         .slot_count = info->slots,
-                         .own = !info->native};
-  if (device->error)
-    device->error[0] = 0;
+  *device = (gpu_device){.lent = lent, .slot_count = info->slots, .own = !info->native};
   *out = device;
   return CSM_SUCCESS;
 }
@@ -93,9 +55,9 @@ static csm_result device_new(const gpu_open_info *info, gpu_device **out) {
 /* Makes everything that recordings need, from handles alone. */
 static csm_result device_use(gpu_device *device) {
   if (!vulkan_load_device(&device->vk, device->handle, device->own))
-    return vulkan_fail(device, CSM_ERROR_UNSUPPORTED, "the device lacks functions of Vulkan 1.1");
+    return lent_fail(&device->lent, CSM_ERROR_UNSUPPORTED, "the device lacks functions of Vulkan 1.1");
   if (device->dynamic_rendering && !vulkan_load_rendering(&device->vk, device->handle))
-    return vulkan_fail(device, CSM_ERROR_UNSUPPORTED, "the device lacks the functions of dynamic rendering");
+    return lent_fail(&device->lent, CSM_ERROR_UNSUPPORTED, "the device lacks the functions of dynamic rendering");
   device->usable = true;
   if (device->own) {
     device->vk.GetDeviceQueue(device->handle, device->queue_family, 0, &device->queue);
@@ -136,7 +98,7 @@ csm_result vulkan_open(const gpu_open_info *info, gpu_device **out) {
     result = vulkan_own_open(device);
   if (result == CSM_SUCCESS)
     result = device_use(device);
-  device->error = NULL;
+  device->lent.error = NULL;
   if (result == CSM_SUCCESS)
     *out = device;
   else
@@ -161,6 +123,6 @@ void vulkan_close(gpu_device *device) {
     destroy_objects(device);
   if (device->own)
     vulkan_own_close(device);
-  const gpu_host host = device->host;
-  host.release(host.user, device);
+  const gpu_lent lent = device->lent;
+  lent_release(&lent, device);
 }

@@ -11,7 +11,8 @@ static csm_result read_struct(gpu_device *device, const char *name, void *out, u
   const csm_result result = struct_read(out, size, native);
   if (result == CSM_SUCCESS)
     return result;
-  return vulkan_fail(device, result, "%s: its struct_size is of no version, or its unknown tail is not zero", name);
+  return lent_fail(&device->lent, result, "%s: its struct_size is of no version, or its unknown tail is not zero",
+                   name);
 }
 
 static bool has_extension(const csm_vulkan_device *native, const char *name) {
@@ -33,21 +34,21 @@ static csm_result check_native(const gpu_device *device, const csm_vulkan_device
     if (!native->extensions[i])
       missing = "an element of extensions";
   if (missing)
-    return vulkan_fail(device, CSM_ERROR_NULL_POINTER, "csm_vulkan_device: %s is NULL", missing);
+    return lent_fail(&device->lent, CSM_ERROR_NULL_POINTER, "csm_vulkan_device: %s is NULL", missing);
   if (native->reserved || native->reserved2 || native->reserved3)
-    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_device: reserved is not 0");
+    return lent_fail(&device->lent, CSM_ERROR_INVALID_VALUE, "csm_vulkan_device: reserved is not 0");
   if (native->dynamic_rendering > 1)
-    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_device: dynamic_rendering is neither 0 nor 1");
+    return lent_fail(&device->lent, CSM_ERROR_INVALID_VALUE, "csm_vulkan_device: dynamic_rendering is neither 0 nor 1");
   if (!native->allocate_memory != !native->free_memory)
-    return vulkan_fail(device, CSM_ERROR_NULL_POINTER, "csm_vulkan_device: %s is NULL, and %s is not",
-                       native->free_memory ? "allocate_memory" : "free_memory",
-                       native->free_memory ? "free_memory" : "allocate_memory");
+    return lent_fail(&device->lent, CSM_ERROR_NULL_POINTER, "csm_vulkan_device: %s is NULL, and %s is not",
+                     native->free_memory ? "allocate_memory" : "free_memory",
+                     native->free_memory ? "free_memory" : "allocate_memory");
   if (native->api_version < VK_API_VERSION_1_1)
-    return vulkan_fail(device, CSM_ERROR_UNSUPPORTED, "csm_vulkan_device: api_version is below Vulkan 1.1");
+    return lent_fail(&device->lent, CSM_ERROR_UNSUPPORTED, "csm_vulkan_device: api_version is below Vulkan 1.1");
   if (native->dynamic_rendering && native->api_version < VK_API_VERSION_1_3 &&
       !has_extension(native, VK_KHR_DYNAMIC_RENDERING_EXTENSION_NAME))
-    return vulkan_fail(device, CSM_ERROR_UNSUPPORTED,
-                       "csm_vulkan_device: dynamic_rendering, without its extension and below Vulkan 1.3");
+    return lent_fail(&device->lent, CSM_ERROR_UNSUPPORTED,
+                     "csm_vulkan_device: dynamic_rendering, without its extension and below Vulkan 1.3");
   return CSM_SUCCESS;
 }
 
@@ -57,7 +58,7 @@ static csm_result check_capable(const gpu_device *device, const csm_vulkan_devic
   const VkQueueFlags queue = vulkan_queue_flags(device, native->physical_device, native->queue_family, NULL);
   if (!lacks && !(queue & VK_QUEUE_GRAPHICS_BIT))
     lacks = "graphics in queue_family";
-  return lacks ? vulkan_fail(device, CSM_ERROR_UNSUPPORTED, "csm_vulkan_device: the device lacks %s", lacks)
+  return lacks ? lent_fail(&device->lent, CSM_ERROR_UNSUPPORTED, "csm_vulkan_device: the device lacks %s", lacks)
                : CSM_SUCCESS;
 }
 
@@ -70,7 +71,8 @@ csm_result vulkan_engine_take(gpu_device *device, const void *native_device) {
     return result;
   device->vk.GetInstanceProcAddr = native.get_instance_proc_addr;
   if (!vulkan_load_instance(&device->vk, native.instance, false))
-    return vulkan_fail(device, CSM_ERROR_UNSUPPORTED, "csm_vulkan_device: the instance lacks functions of Vulkan 1.1");
+    return lent_fail(&device->lent, CSM_ERROR_UNSUPPORTED,
+                     "csm_vulkan_device: the instance lacks functions of Vulkan 1.1");
   result = check_capable(device, &native);
   if (result != CSM_SUCCESS)
     return result;
@@ -133,17 +135,17 @@ static const texel_format *find_format(uint32_t format, gpu_texels texels) {
 
 static csm_result check_image(const gpu_device *device, const csm_vulkan_image *native, gpu_texels texels) {
   if (!native->view)
-    return vulkan_fail(device, CSM_ERROR_NULL_POINTER, "csm_vulkan_image: view is NULL");
+    return lent_fail(&device->lent, CSM_ERROR_NULL_POINTER, "csm_vulkan_image: view is NULL");
   if (native->layout != VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL &&
       native->layout != VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL && native->layout != VK_IMAGE_LAYOUT_GENERAL)
-    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_image: layout %u is none that shaders read in",
-                       native->layout);
+    return lent_fail(&device->lent, CSM_ERROR_INVALID_VALUE, "csm_vulkan_image: layout %u is none that shaders read in",
+                     native->layout);
   if (!find_format(native->format, texels))
-    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_image: format %u is none that holds %s",
-                       native->format, texels == GPU_TEXELS_DEPTH ? "depth" : "normals");
+    return lent_fail(&device->lent, CSM_ERROR_INVALID_VALUE, "csm_vulkan_image: format %u is none that holds %s",
+                     native->format, texels == GPU_TEXELS_DEPTH ? "depth" : "normals");
   if (!native->width || !native->height || native->reserved)
-    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_image: %s",
-                       native->reserved ? "reserved is not 0" : "a size of 0");
+    return lent_fail(&device->lent, CSM_ERROR_INVALID_VALUE, "csm_vulkan_image: %s",
+                     native->reserved ? "reserved is not 0" : "a size of 0");
   return CSM_SUCCESS;
 }
 
@@ -156,7 +158,7 @@ csm_result vulkan_image_import(gpu_device *device, const void *native_image, gpu
     result = check_image(device, &native, texels);
   if (result != CSM_SUCCESS)
     return result;
-  gpu_image *image = vulkan_allocate(device, sizeof *image);
+  gpu_image *image = lent_allocate(&device->lent, sizeof *image);
   if (!image)
     return CSM_ERROR_OUT_OF_MEMORY;
   image->borrowed = true;
@@ -175,7 +177,7 @@ csm_result vulkan_image_import(gpu_device *device, const void *native_image, gpu
 /* ---- buffers ---- */
 
 static gpu_buffer *borrow_buffer(gpu_device *device, VkBuffer handle) {
-  gpu_buffer *buffer = vulkan_allocate(device, sizeof *buffer);
+  gpu_buffer *buffer = lent_allocate(&device->lent, sizeof *buffer);
   if (!buffer)
     return NULL;
   buffer->borrowed = true;
@@ -185,16 +187,16 @@ static gpu_buffer *borrow_buffer(gpu_device *device, VkBuffer handle) {
 
 static csm_result check_mesh(const gpu_device *device, const csm_vulkan_mesh *native) {
   if (!native->vertices || !native->indices)
-    return vulkan_fail(device, CSM_ERROR_NULL_POINTER, "csm_vulkan_mesh: %s is NULL",
-                       native->vertices ? "indices" : "vertices");
+    return lent_fail(&device->lent, CSM_ERROR_NULL_POINTER, "csm_vulkan_mesh: %s is NULL",
+                     native->vertices ? "indices" : "vertices");
   if (native->vertex_stride % 4 || native->vertex_stride < 12 || native->vertex_stride > device->max_stride)
-    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE,
-                       "csm_vulkan_mesh: a vertex_stride of %u, which is no multiple of 4 from 12 to %u",
-                       native->vertex_stride, device->max_stride);
+    return lent_fail(&device->lent, CSM_ERROR_INVALID_VALUE,
+                     "csm_vulkan_mesh: a vertex_stride of %u, which is no multiple of 4 from 12 to %u",
+                     native->vertex_stride, device->max_stride);
   if (native->vertex_offset % 4 || native->index_offset % 4)
-    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_mesh: an offset is no multiple of 4");
+    return lent_fail(&device->lent, CSM_ERROR_INVALID_VALUE, "csm_vulkan_mesh: an offset is no multiple of 4");
   if (native->reserved)
-    return vulkan_fail(device, CSM_ERROR_INVALID_VALUE, "csm_vulkan_mesh: reserved is not 0");
+    return lent_fail(&device->lent, CSM_ERROR_INVALID_VALUE, "csm_vulkan_mesh: reserved is not 0");
   return CSM_SUCCESS;
 }
 

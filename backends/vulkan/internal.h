@@ -9,6 +9,7 @@
 #define VULKAN_INTERNAL_H
 
 #include "../gpu.h"
+#include "../lent.h"
 #include "functions.h"
 
 #include "csm/csm_vulkan.h"
@@ -139,9 +140,7 @@ typedef struct vulkan_slot {
 typedef enum vulkan_work { VULKAN_COPIES, VULKAN_DRAWS, VULKAN_DISPATCHES, VULKAN_WORKS } vulkan_work;
 
 struct gpu_device {
-  gpu_host host;
-  char *error; /* while the device is being opened: where texts of errors go instead of the log; else NULL */
-  size_t error_size;
+  gpu_lent lent;
 
   /* handles: obtained by own.c or engine.c */
   bool own;      /* else an engine's */
@@ -196,12 +195,6 @@ struct gpu_device {
 };
 
 /* ---- device.c ---- */
-void *vulkan_allocate(const gpu_device *device, size_t size); /* zeroed; NULL when out of memory */
-void vulkan_release(const gpu_device *device, void *memory);  /* takes NULL */
-__attribute__((format(printf, 3, 4))) void vulkan_text(char *out, size_t size, const char *format, ...);
-/* Reports an error in words, and returns it. */
-__attribute__((format(printf, 3, 4))) csm_result vulkan_fail(const gpu_device *device, csm_result result,
-                                                             const char *format, ...);
 /* The csm_result of a VkResult; a failure is reported with the name of the function that failed. */
 csm_result vulkan_check(const gpu_device *device, VkResult result, const char *function);
 /* The same for a call that makes an object: after a failure its handle (64 bits) is undefined, and set to none here. */

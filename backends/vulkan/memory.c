@@ -54,19 +54,19 @@ uint32_t vulkan_memory_type(const gpu_device *device, uint32_t allowed_types, gp
 static void block_destroy(gpu_device *device, vulkan_block *block) {
   for (vulkan_span *span = block->spans, *next; span; span = next) {
     next = span->next;
-    vulkan_release(device, span);
+    lent_release(&device->lent, span);
   }
   device->vk.FreeMemory(device->handle, block->handle, NULL);
-  vulkan_release(device, block);
+  lent_release(&device->lent, block);
 }
 
 static csm_result block_create(gpu_device *device, uint64_t size, uint32_t type, bool map, vulkan_block **out) {
   csm_result result = CSM_ERROR_OUT_OF_MEMORY;
-  vulkan_block *block = vulkan_allocate(device, sizeof *block);
+  vulkan_block *block = lent_allocate(&device->lent, sizeof *block);
   if (!block)
     return result;
   block->type = type;
-  block->spans = vulkan_allocate(device, sizeof *block->spans);
+  block->spans = lent_allocate(&device->lent, sizeof *block->spans);
   if (!block->spans)
     goto failed;
   block->spans->size = size;
@@ -103,7 +103,7 @@ static vulkan_span *find_span(const vulkan_block *block, uint64_t size) {
 /* Takes the first `size` bytes of a free span; the rest becomes a span of its own. False when out of memory. */
 static bool take_span(gpu_device *device, vulkan_span *span, uint64_t size) {
   if (span->size > size) {
-    vulkan_span *rest = vulkan_allocate(device, sizeof *rest);
+    vulkan_span *rest = lent_allocate(&device->lent, sizeof *rest);
     if (!rest)
       return false;
     *rest = (vulkan_span){.offset = span->offset + size, .size = span->size - size, .next = span->next};
@@ -123,7 +123,7 @@ static void merge_free_spans(gpu_device *device, vulkan_block *block) {
     }
     span->size += next->size;
     span->next = next->next;
-    vulkan_release(device, next);
+    lent_release(&device->lent, next);
   }
 }
 
@@ -192,14 +192,14 @@ static csm_result engine_allocate(gpu_device *device, const vulkan_memory_reques
   if (result != CSM_SUCCESS)
     return result;
   if (!given.memory)
-    return vulkan_fail(device, CSM_ERROR_OUT_OF_DEVICE_MEMORY, "the engine's allocate_memory: memory is NULL");
+    return lent_fail(&device->lent, CSM_ERROR_OUT_OF_DEVICE_MEMORY, "the engine's allocate_memory: memory is NULL");
   const bool visible = wish.required & VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT;
   const char *fault = given.offset % request->needs.alignment ? "offset is no multiple of the alignment"
                       : visible && !given.mapped              ? "mapped is NULL"
                                                               : NULL;
   if (fault) {
     device->free_memory(device->memory_user, &given);
-    return vulkan_fail(device, CSM_ERROR_DEVICE, "the engine's allocate_memory: %s", fault);
+    return lent_fail(&device->lent, CSM_ERROR_DEVICE, "the engine's allocate_memory: %s", fault);
   }
   *out = (vulkan_memory){.handle = given.memory,
                          .offset = given.offset,
@@ -221,10 +221,10 @@ static void engine_free(gpu_device *device, const vulkan_memory *memory) {
 csm_result vulkan_memory_allocate(gpu_device *device, const vulkan_memory_request *request, vulkan_memory *out) {
   const uint32_t type = vulkan_memory_type(device, request->needs.memoryTypeBits, request->kind);
   if (type == UINT32_MAX)
-    return vulkan_fail(device, CSM_ERROR_DEVICE, "no memory type of the device fits");
+    return lent_fail(&device->lent, CSM_ERROR_DEVICE, "no memory type of the device fits");
   if (request->needs.size > (request->image ? device->info.max_allocation_size : device->info.max_buffer_size))
-    return vulkan_fail(device, CSM_ERROR_OUT_OF_DEVICE_MEMORY, "the device allows no allocation of %llu bytes",
-                       (unsigned long long)request->needs.size);
+    return lent_fail(&device->lent, CSM_ERROR_OUT_OF_DEVICE_MEMORY, "the device allows no allocation of %llu bytes",
+                     (unsigned long long)request->needs.size);
   return device->allocate_memory ? engine_allocate(device, request, out) : block_take(device, request, type, out);
 }
 

@@ -12,13 +12,13 @@
 static csm_result open_library(gpu_device *device) {
   device->library = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
   if (!device->library)
-    return vulkan_fail(device, CSM_ERROR_NO_DEVICE, "no Vulkan: %s", dlerror());
+    return lent_fail(&device->lent, CSM_ERROR_NO_DEVICE, "no Vulkan: %s", dlerror());
   void *symbol = dlsym(device->library, "vkGetInstanceProcAddr");
   memcpy(&device->vk.GetInstanceProcAddr, &symbol, sizeof symbol);
   uint32_t version = 0;
   if (!symbol || !vulkan_load_loader(&device->vk) || device->vk.EnumerateInstanceVersion(&version) != VK_SUCCESS ||
       version < VK_API_VERSION_1_1)
-    return vulkan_fail(device, CSM_ERROR_NO_DEVICE, "the Vulkan library is older than Vulkan 1.1");
+    return lent_fail(&device->lent, CSM_ERROR_NO_DEVICE, "the Vulkan library is older than Vulkan 1.1");
   return CSM_SUCCESS;
 }
 
@@ -37,13 +37,13 @@ static csm_result find_instance_extension(gpu_device *device, const char *layer,
   VkResult result = device->vk.EnumerateInstanceExtensionProperties(layer, &count, NULL);
   if (result != VK_SUCCESS || count == 0)
     return vulkan_check(device, result, "vkEnumerateInstanceExtensionProperties");
-  VkExtensionProperties *extensions = vulkan_allocate(device, count * sizeof *extensions);
+  VkExtensionProperties *extensions = lent_allocate(&device->lent, count * sizeof *extensions);
   if (!extensions)
     return CSM_ERROR_OUT_OF_MEMORY;
   result = device->vk.EnumerateInstanceExtensionProperties(layer, &count, extensions);
   if (result >= 0)
     *found = has_extension(extensions, count, name);
-  vulkan_release(device, extensions);
+  lent_release(&device->lent, extensions);
   return vulkan_check(device, result, "vkEnumerateInstanceExtensionProperties");
 }
 
@@ -53,14 +53,14 @@ static csm_result find_validation_layer(gpu_device *device, bool *found) {
   VkResult result = device->vk.EnumerateInstanceLayerProperties(&count, NULL);
   if (result != VK_SUCCESS || count == 0)
     return vulkan_check(device, result, "vkEnumerateInstanceLayerProperties");
-  VkLayerProperties *layers = vulkan_allocate(device, count * sizeof *layers);
+  VkLayerProperties *layers = lent_allocate(&device->lent, count * sizeof *layers);
   if (!layers)
     return CSM_ERROR_OUT_OF_MEMORY;
   result = device->vk.EnumerateInstanceLayerProperties(&count, layers);
   for (uint32_t i = 0; result >= 0 && i < count; i++)
     if (strcmp(layers[i].layerName, VALIDATION_LAYER) == 0)
       *found = true;
-  vulkan_release(device, layers);
+  lent_release(&device->lent, layers);
   return vulkan_check(device, result, "vkEnumerateInstanceLayerProperties");
 }
 
@@ -69,7 +69,7 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL log_message(VkDebugUtilsMessageSeverityFla
                                                   const VkDebugUtilsMessengerCallbackDataEXT *data, void *user) {
   (void)types;
   const gpu_device *device = user;
-  physical_log(&device->host, severity, data->pMessage);
+  physical_log(&device->lent.host, severity, data->pMessage);
   return VK_FALSE;
 }
 
@@ -84,9 +84,9 @@ static csm_result find_validation(gpu_device *device, validation *out) {
     result =
         find_instance_extension(device, VALIDATION_LAYER, VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME, &out->features);
   if (result == CSM_SUCCESS && !out->features)
-    device->host.log(device->host.user, CSM_LOG_WARNING,
-                     out->layer ? VALIDATION_LAYER " is too old to validate synchronization"
-                                : VALIDATION_LAYER " is not installed: nothing is validated");
+    device->lent.host.log(device->lent.host.user, CSM_LOG_WARNING,
+                          out->layer ? VALIDATION_LAYER " is too old to validate synchronization"
+                                     : VALIDATION_LAYER " is not installed: nothing is validated");
   return result;
 }
 
@@ -128,7 +128,7 @@ static csm_result instance_create(gpu_device *device, const validation *on) {
   if (created != VK_SUCCESS)
     device->instance = VK_NULL_HANDLE; /* it is undefined then */
   if (created == VK_ERROR_INCOMPATIBLE_DRIVER)
-    return vulkan_fail(device, CSM_ERROR_NO_DEVICE, "no Vulkan driver is installed");
+    return lent_fail(&device->lent, CSM_ERROR_NO_DEVICE, "no Vulkan driver is installed");
   return vulkan_check(device, created, "vkCreateInstance");
 }
 
@@ -142,7 +142,7 @@ static csm_result create_instance(gpu_device *device, bool validate) {
   if (result != CSM_SUCCESS)
     return result;
   if (!vulkan_load_instance(&device->vk, device->instance, true))
-    return vulkan_fail(device, CSM_ERROR_NO_DEVICE, "the Vulkan instance lacks functions of Vulkan 1.1");
+    return lent_fail(&device->lent, CSM_ERROR_NO_DEVICE, "the Vulkan instance lacks functions of Vulkan 1.1");
   device->debug = device->debug && vulkan_load_debug(&device->vk, device->instance, true);
   if (!on.layer || !device->debug)
     return CSM_SUCCESS;
@@ -191,7 +191,7 @@ static csm_result select_from(gpu_device *device, const char *name, const VkPhys
   if (device->physical)
     return CSM_SUCCESS;
   choose_refusal(&choice, refusal, sizeof refusal);
-  return vulkan_fail(device, CSM_ERROR_NO_DEVICE, "%s", refusal);
+  return lent_fail(&device->lent, CSM_ERROR_NO_DEVICE, "%s", refusal);
 }
 
 static csm_result select_physical(gpu_device *device, const char *name) {
@@ -201,15 +201,15 @@ static csm_result select_physical(gpu_device *device, const char *name) {
   if (result != CSM_SUCCESS)
     return result;
   if (count == 0)
-    return vulkan_fail(device, CSM_ERROR_NO_DEVICE, "no Vulkan device");
-  VkPhysicalDevice *list = vulkan_allocate(device, count * sizeof *list);
+    return lent_fail(&device->lent, CSM_ERROR_NO_DEVICE, "no Vulkan device");
+  VkPhysicalDevice *list = lent_allocate(&device->lent, count * sizeof *list);
   if (!list)
     return CSM_ERROR_OUT_OF_MEMORY;
   result = vulkan_check(device, device->vk.EnumeratePhysicalDevices(device->instance, &count, list),
                         "vkEnumeratePhysicalDevices");
   if (result == CSM_SUCCESS)
     result = select_from(device, name, list, count);
-  vulkan_release(device, list);
+  lent_release(&device->lent, list);
   return result;
 }
 
@@ -224,7 +224,7 @@ static csm_result find_device_extensions(gpu_device *device) {
   VkResult result = device->vk.EnumerateDeviceExtensionProperties(device->physical, NULL, &count, NULL);
   if (result != VK_SUCCESS || count == 0)
     return vulkan_check(device, result, "vkEnumerateDeviceExtensionProperties");
-  VkExtensionProperties *extensions = vulkan_allocate(device, count * sizeof *extensions);
+  VkExtensionProperties *extensions = lent_allocate(&device->lent, count * sizeof *extensions);
   if (!extensions)
     return CSM_ERROR_OUT_OF_MEMORY;
   result = device->vk.EnumerateDeviceExtensionProperties(device->physical, NULL, &count, extensions);
@@ -235,7 +235,7 @@ static csm_result find_device_extensions(gpu_device *device) {
     for (uint32_t i = 0; i < sizeof rendering_extensions / sizeof *rendering_extensions; i++)
       device->dynamic_rendering &= has_extension(extensions, count, rendering_extensions[i]);
   }
-  vulkan_release(device, extensions);
+  lent_release(&device->lent, extensions);
   return vulkan_check(device, result, "vkEnumerateDeviceExtensionProperties");
 }
 

@@ -74,8 +74,8 @@ csm_result vulkan_program_create(gpu_device *device, const gpu_program_info *inf
   *out = NULL;
   const char *lacks = unsupported(device, info);
   if (lacks)
-    return vulkan_fail(device, CSM_ERROR_UNSUPPORTED, "%s: %s", info->name, lacks);
-  gpu_program *program = vulkan_allocate(device, sizeof *program);
+    return lent_fail(&device->lent, CSM_ERROR_UNSUPPORTED, "%s: %s", info->name, lacks);
+  gpu_program *program = lent_allocate(&device->lent, sizeof *program);
   if (!program)
     return CSM_ERROR_OUT_OF_MEMORY;
   program->stream_count = info->stream_count;
@@ -104,5 +104,5 @@ void vulkan_program_destroy(gpu_device *device, gpu_program *program) {
   device->vk.DestroyPipeline(device->handle, program->pipeline, NULL);
   device->vk.DestroyPipelineLayout(device->handle, program->layout, NULL);
   device->vk.DestroyDescriptorSetLayout(device->handle, program->set_layout, NULL);
-  vulkan_release(device, program);
+  lent_release(&device->lent, program);
 }

@@ -22,7 +22,7 @@ static VkBufferUsageFlags buffer_usage(const gpu_buffer_info *info) {
 csm_result vulkan_buffer_create(gpu_device *device, const gpu_buffer_info *info, gpu_buffer **out) {
   *out = NULL;
   const vulkan_functions *vk = &device->vk;
-  gpu_buffer *buffer = vulkan_allocate(device, sizeof *buffer);
+  gpu_buffer *buffer = lent_allocate(&device->lent, sizeof *buffer);
   if (!buffer)
     return CSM_ERROR_OUT_OF_MEMORY;
   buffer->kind = info->kind;
@@ -63,7 +63,7 @@ void vulkan_buffer_destroy(gpu_device *device, gpu_buffer *buffer) {
   if (!buffer->borrowed)
     device->vk.DestroyBuffer(device->handle, buffer->handle, NULL);
   vulkan_memory_release(device, &buffer->memory);
-  vulkan_release(device, buffer);
+  lent_release(&device->lent, buffer);
 }
 
 void *vulkan_buffer_memory(gpu_buffer *buffer) {
@@ -153,7 +153,7 @@ csm_result vulkan_image_create(gpu_device *device, const gpu_image_info *info, g
   *out = NULL;
   const uint32_t levels = info->levels ? info->levels : 1;
   const size_t count = (size_t)info->layers * levels;
-  gpu_image *image = vulkan_allocate(device, sizeof *image + 2 * count * sizeof *image->states);
+  gpu_image *image = lent_allocate(&device->lent, sizeof *image + 2 * count * sizeof *image->states);
   if (!image)
     return CSM_ERROR_OUT_OF_MEMORY;
   image->format = info->format;
@@ -185,7 +185,7 @@ void vulkan_image_destroy(gpu_device *device, gpu_image *image) {
     device->vk.DestroyImage(device->handle, image->handle, NULL);
   }
   vulkan_memory_release(device, &image->memory);
-  vulkan_release(device, image);
+  lent_release(&device->lent, image);
 }
 
 uint64_t vulkan_image_bytes(const gpu_image *image) {
@@ -209,7 +209,7 @@ void vulkan_image_describe(gpu_device *device, const gpu_image *image, uint64_t 
 
 csm_result vulkan_view_create(gpu_device *device, const gpu_view_info *info, gpu_view **out) {
   *out = NULL;
-  gpu_view *view = vulkan_allocate(device, sizeof *view);
+  gpu_view *view = lent_allocate(&device->lent, sizeof *view);
   if (!view)
     return CSM_ERROR_OUT_OF_MEMORY;
   view->image = info->image;
@@ -218,7 +218,7 @@ csm_result vulkan_view_create(gpu_device *device, const gpu_view_info *info, gpu
   if (result == CSM_SUCCESS)
     *out = view;
   else
-    vulkan_release(device, view);
+    lent_release(&device->lent, view);
   return result;
 }
 
@@ -226,5 +226,5 @@ void vulkan_view_destroy(gpu_device *device, gpu_view *view) {
   if (!view)
     return;
   device->vk.DestroyImageView(device->handle, view->handle, NULL);
-  vulkan_release(device, view);
+  lent_release(&device->lent, view);
 }

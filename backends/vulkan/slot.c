@@ -138,7 +138,7 @@ csm_result vulkan_timestamps(gpu_device *device, uint32_t slot_index, uint32_t f
                              uint64_t *nanoseconds) {
   const vulkan_slot *slot = &device->slots[slot_index];
   if (!slot->queries)
-    return vulkan_fail(device, CSM_ERROR_UNSUPPORTED, "the device's queue has no timestamps");
+    return lent_fail(&device->lent, CSM_ERROR_UNSUPPORTED, "the device's queue has no timestamps");
   csm_result result = vulkan_wait(device, slot_index);
   if (result != CSM_SUCCESS || count == 0)
     return result;

@@ -106,7 +106,7 @@ static csm_result attach(gpu_device *device, gpu_target *target, vulkan_attachme
 
 csm_result vulkan_target_create(gpu_device *device, const gpu_target_info *info, gpu_target **out) {
   *out = NULL;
-  gpu_target *target = vulkan_allocate(device, sizeof *target);
+  gpu_target *target = lent_allocate(&device->lent, sizeof *target);
   if (!target)
     return CSM_ERROR_OUT_OF_MEMORY;
   target->depth = (vulkan_attachment){.image = info->depth, .range = {info->depth_layer, 1, info->depth_level, 1}};
@@ -134,5 +134,5 @@ void vulkan_target_destroy(gpu_device *device, gpu_target *target) {
   device->vk.DestroyFramebuffer(device->handle, target->framebuffer, NULL);
   device->vk.DestroyImageView(device->handle, target->color.view, NULL);
   device->vk.DestroyImageView(device->handle, target->depth.view, NULL);
-  vulkan_release(device, target);
+  lent_release(&device->lent, target);
 }

@@ -15,6 +15,7 @@ static const double splits[SPLITS] = {8.0, 16.0, 32.0, 64.0};
 /* One of each, by numbers that are taken modulo how many there are. */
 typedef struct borders_setting {
   uint32_t filter, bias, blend, selection, layout, end;
+  bool wide; /* filters, offsets, bands and grids as large as they may be, with texels for them */
 } borders_setting;
 
 static csm_config make_config(const csm_config *from, borders_setting s) {
@@ -36,6 +37,16 @@ static csm_config make_config(const csm_config *from, borders_setting s) {
   config.map_layout = s.layout % LAYOUTS;
   config.out_of_range = s.end % ENDS;
   config.fade_share = 0.25;
+  if (s.wide) {
+    for (int i = 0; i < SPLITS; i++)
+      config.resolutions[i] *= 4;
+    config.filter_taps = config.filter == CSM_FILTER_VOGEL ? 64 : 31;
+    config.filter_radius_texels = 16.0;
+    config.bias_normal_texels *= 2.5;
+    config.blend_share = 1.0;
+    config.snap_mode = CSM_SNAP_FLOOR;
+    config.snap_power = 4;
+  }
   return config;
 }
 
@@ -173,7 +184,8 @@ static int draw_settings(hard_run *run, const borders_scene *scene) {
                                           .bias = other % BIASES,
                                           .blend = other / BIASES % BLENDS,
                                           .layout = other / (BIASES * BLENDS) % LAYOUTS,
-                                          .end = i % ENDS},
+                                          .end = i % ENDS,
+                                          .wide = run->sweep && i / 7 % 2},
                         i);
   }
   return code;

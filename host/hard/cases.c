@@ -10,10 +10,17 @@ const hard_case *const hard_cases[] = {
     &hard_turned,
     &hard_formats,
     &hard_borders,
+    &hard_moving_camera,
+    &hard_moving_sun,
     &hard_depth_range,
+    &hard_projections,
     &hard_degenerate,
     &hard_many,
     &hard_limits,
+    &hard_settings,
+    &hard_casters,
+    &hard_huge_ground,
+    &hard_far_orthographic,
     NULL,
 };
 /* clang-format on */

@@ -10,10 +10,17 @@ extern const hard_case hard_far_vertices;
 extern const hard_case hard_turned;
 extern const hard_case hard_formats;
 extern const hard_case hard_borders;
+extern const hard_case hard_moving_camera;
+extern const hard_case hard_moving_sun;
 extern const hard_case hard_depth_range;
+extern const hard_case hard_projections;
 extern const hard_case hard_degenerate;
 extern const hard_case hard_many;
 extern const hard_case hard_limits;
+extern const hard_case hard_settings;
+extern const hard_case hard_casters;
+extern const hard_case hard_huge_ground;
+extern const hard_case hard_far_orthographic;
 
 /* In the order of the table; NULL ends it. */
 extern const hard_case *const hard_cases[];

@@ -75,15 +75,23 @@ void hard_run_close(hard_run *run) {
 /* ---- telling ---- */
 
 static void print_figures(FILE *to, const hard_run *run, bool markdown) {
+  if (markdown)
+    fprintf(to, "**%s**: %s\n\n| figure | value | bound | unit | |\n|---|---|---|---|---|\n", run->hard_case->name,
+            run->hard_case->about);
   for (size_t i = 0; i < run->figure_count; i++) {
     const hard_figure *figure = &run->figures[i];
     const char *verdict = !hard_figure_holds(figure) ? "BROKEN" : figure->bound == INFINITY ? "stated" : "ok";
     char bound[32] = "-";
     if (figure->bound != INFINITY)
       snprintf(bound, sizeof bound, "%.4g", figure->bound);
-    fprintf(to, markdown ? "| %s | %s | %.4g | %s | %s | %s |\n" : "%-14s %-64s %10.4g  %10s %-7s %s\n",
-            run->hard_case->name, figure->what, figure->value, bound, figure->unit, verdict);
+    if (markdown)
+      fprintf(to, "| %s | %.4g | %s | %s | %s |\n", figure->what, figure->value, bound, figure->unit, verdict);
+    else
+      fprintf(to, "%-14s %-64s %10.4g  %10s %-7s %s\n", run->hard_case->name, figure->what, figure->value, bound,
+              figure->unit, verdict);
   }
+  if (markdown)
+    fputc('\n', to);
 }
 
 json_t *hard_run_to_json(const hard_run *run) {
@@ -141,8 +149,6 @@ int hard_command(const host_options *options) {
   int code = hard_cases_choose(chosen, &count, options);
   if (code == 0 && options->has_out)
     code = host_make_folder(options->out);
-  if (code == 0 && options->markdown)
-    fprintf(output_table(options), "| case | what | value | bound | unit | |\n|---|---|---|---|---|---|\n");
   for (uint32_t i = 0; code == 0 && i < count; i++) {
     code = run_and_tell(chosen[i], options, told);
     broken = broken || code == HOST_DIFFER;

@@ -1,5 +1,6 @@
 /* draw.c: the same picture on every backend. */
 #include "base/host.h"
+#include "base/linear.h"
 #include "hard/engine.h"
 #include "stage/compare.h"
 #include <math.h>
@@ -110,13 +111,19 @@ int hard_draw_engine(hard_run *run, const hard_inputs *inputs, const camera *fro
   return code ? code : hard_engine_draw(*engine, inputs, from, light, out->mask);
 }
 
-int hard_map_engine(hard_run *run, const hard_inputs *inputs, uint32_t cascade, float **out, uint32_t *side) {
-  return hard_engine_map(run->engines[inputs->engine_buffers], cascade, out, side);
+int hard_map_engine(hard_run *run, const hard_inputs *inputs, uint32_t index, csm_cascade_info *cascade, float **out) {
+  return hard_engine_map(run->engines[inputs->engine_buffers], index, cascade, out);
 }
 
 int hard_bind(hard_run *run, csm_binding *binding) {
   *binding = (csm_binding){.struct_size = sizeof *binding};
   return csm_bind(run->stages[0].cascades, binding) == CSM_SUCCESS ? 0 : HOST_NO_DEVICE;
+}
+
+double hard_along(const csm_cascade_info *cascade, const scene_light *light, double depth) {
+  const double *m = cascade->world_to_shadow;
+  const double scale = m[2] * light->direction[0] + m[6] * light->direction[1] + m[10] * light->direction[2];
+  return (depth - m[14]) / (scale / vec_length(light->direction));
 }
 
 int hard_map(hard_run *run, uint32_t cascade, float **out, uint32_t *side) {

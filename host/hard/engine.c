@@ -271,17 +271,18 @@ int hard_engine_draw(hard_engine *e, const hard_inputs *inputs, const camera *fr
   return code;
 }
 
-int hard_engine_map(hard_engine *e, uint32_t cascade, float **out, uint32_t *side) {
+int hard_engine_map(hard_engine *e, uint32_t index, csm_cascade_info *cascade, float **out) {
   csm_binding binding = {.struct_size = sizeof binding};
   vulkan_buffer texels = {0};
   if (csm_bind(e->stage.cascades, &binding))
     return host_fail(HOST_BAD_INPUT, "an engine's maps: %s", csm_last_error(e->stage.context));
-  *side = binding.resolutions[cascade];
-  const size_t size = (size_t)*side * *side * sizeof(float);
+  const uint32_t side = binding.resolutions[index];
+  const size_t size = (size_t)side * side * sizeof(float);
+  *cascade = binding.cascades[index];
   const VkImage image = (VkImage)binding.native_maps;
   const VkBufferImageCopy region = {
-      .imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_DEPTH_BIT, .baseArrayLayer = cascade, .layerCount = 1},
-      .imageExtent = {*side, *side, 1},
+      .imageSubresource = {.aspectMask = VK_IMAGE_ASPECT_DEPTH_BIT, .baseArrayLayer = index, .layerCount = 1},
+      .imageExtent = {side, side, 1},
   };
   VkResult result = vulkan_buffer_open(&texels, &e->vulkan, size, VK_BUFFER_USAGE_TRANSFER_DST_BIT);
   if (!result)

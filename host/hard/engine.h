@@ -16,7 +16,7 @@ stage *hard_engine_stage(hard_engine *engine);
 /* One frame: maps and mask, width * height pixels. */
 int hard_engine_draw(hard_engine *engine, const hard_inputs *inputs, const camera *from, const scene_light *light,
                      float *mask);
-/* A map of the last frame, to be freed. */
-int hard_engine_map(hard_engine *engine, uint32_t cascade, float **out, uint32_t *side);
+/* A cascade of the last frame, and its map, to be freed. */
+int hard_engine_map(hard_engine *engine, uint32_t index, csm_cascade_info *cascade, float **out);
 
 #endif

@@ -102,7 +102,7 @@ static void mark_edges(const far_case *f, uint8_t *marked) {
 }
 
 /* The most that two maps' depths are apart, in metres, farther from every edge than edges may move. */
-static double plane_difference(const far_case *f, const float *map, double distance) {
+static double plane_difference(const far_case *f, const csm_cascade_info *cascade, const float *map, double distance) {
   const size_t texels = (size_t)f->side * f->side;
   const double moved = coordinate_error(&f->cascade, 0, distance) + coordinate_error(&f->cascade, 1, distance);
   const double clear = 1.0 + moved / f->cascade.texel_size;
@@ -113,7 +113,8 @@ static double plane_difference(const far_case *f, const float *map, double dista
   metrics_distances(marked, f->side, f->side, squares);
   for (size_t at = 0; at < texels; at++)
     if ((double)squares[at] > clear * clear)
-      largest = fmax(largest, fabs((double)map[at] - f->near_map[at]) * f->cascade.depth_range);
+      largest = fmax(largest, fabs(hard_along(cascade, &f->truth.light, map[at]) -
+                                   hard_along(&f->cascade, &f->truth.light, f->near_map[at])));
   free(squares);
   free(marked);
   return largest >= 0.0 ? largest : INFINITY; /* nothing was left to compare */
@@ -133,14 +134,14 @@ static int draw_copied(hard_run *run, far_case *f, const host_setup *setup) {
 static int draw_in_buffers(hard_run *run, far_case *f, const host_setup *setup, double distance) {
   const hard_inputs inputs = {.engine_buffers = true};
   float *map = NULL;
-  uint32_t side = 0;
+  csm_cascade_info cascade;
   int code = hard_draw_engine(run, &inputs, &setup->camera, &setup->light, &f->drawn);
   if (code == 0)
-    code = hard_map_engine(run, &inputs, 0, &map, &side);
+    code = hard_map_engine(run, &inputs, 0, &cascade, &map);
   if (code == 0) {
-    const double step = distance * 0x1p-23, bound = depth_error(&f->cascade, distance);
-    hard_figure_add(run, plane_difference(f, map, distance) / step, (bound + map_rounding(&f->cascade)) / step, "steps",
-                    "depth off in an engine's buffers");
+    const double step = distance * 0x1p-23, bound = depth_error(&cascade, distance);
+    hard_figure_add(run, plane_difference(f, &cascade, map, distance) / step, (bound + map_rounding(&cascade)) / step,
+                    "steps", "depth off in an engine's buffers");
     /* As long as that is half of the bias, the rest of which is for what it is for elsewhere, nothing is false. */
     const hard_count count =
         hard_judge(run, &f->truth, f->drawn.mask, (hard_margin){.silhouette_px = 2.0, .edge_px = 3.0});

@@ -57,8 +57,8 @@ typedef struct hard_figure {
 typedef struct hard_worst {
   double severity; /* negative: there is no picture yet */
   char what[112];
-  uint32_t width, height; /* of each of the two */
-  float *expected, *drawn;
+  uint32_t width, height;  /* of each of the two */
+  float *expected, *drawn; /* NAN: it is not judged */
 } hard_worst;
 
 struct hard_run {
@@ -148,6 +148,8 @@ int hard_resolve(hard_run *run, const camera *from, uint32_t wanted, hard_pictur
 void hard_picture_free(hard_picture *picture);
 /* Cascades and constants of the last frame. */
 int hard_bind(hard_run *run, csm_binding *binding);
+/* What a depth in a cascade's map means: metres along the light from the world's origin. */
+double hard_along(const csm_cascade_info *cascade, const scene_light *light, double depth);
 /* A map of the last frame, to be freed. Side is its texels. */
 int hard_map(hard_run *run, uint32_t cascade, float **out, uint32_t *side);
 
@@ -166,8 +168,8 @@ bool hard_has_engine(const hard_run *run);
 /* As hard_draw, on an engine's device, with history of its own. */
 int hard_draw_engine(hard_run *run, const hard_inputs *inputs, const camera *from, const scene_light *light,
                      hard_picture *out);
-/* As hard_map, of the last hard_draw_engine with such inputs. Precondition: D32, an array of maps. */
-int hard_map_engine(hard_run *run, const hard_inputs *inputs, uint32_t cascade, float **out, uint32_t *side);
+/* As hard_map, with the cascade, of the last hard_draw_engine with such inputs. Precondition: D32, an array of maps. */
+int hard_map_engine(hard_run *run, const hard_inputs *inputs, uint32_t index, csm_cascade_info *cascade, float **out);
 
 /* ---- truth ---- */
 
@@ -237,7 +239,8 @@ int hard_walk(hard_run *run, const hard_path *path);
 /* Runs the cases that the options name. An exit code: HOST_DIFFER if a figure does not hold. */
 int hard_command(const host_options *options);
 
-/* The two pictures side by side, each pixel as a square. What is wrongly dark is blue, what is wrongly lit red. */
+/* The two pictures side by side, each pixel as a square. What is wrongly dark is blue, what is wrongly lit red; on the
+ * left, what is not judged is bluish grey. */
 void hard_worst_picture(image *out, const hard_worst *worst);
 /* Runs one case and hands its figures over. hard_run_close is allowed in both cases. */
 int hard_run_case(hard_run *out, const hard_case *which, const host_options *options);

@@ -170,20 +170,26 @@ static void keep_worst(hard_run *run, double severity, size_t at, uint32_t width
 static void fill_square(image *out, uint32_t x, uint32_t y, const float color[3]) {
   for (uint32_t j = 0; j < WORST_SCALE; j++)
     for (uint32_t i = 0; i < WORST_SCALE; i++)
-      image_set(out, x + i, y + j, color);
+      image_set(out, x * WORST_SCALE + i, y * WORST_SCALE + j, color);
+}
+
+static void visibility_color(float color[3], float visibility) {
+  color[0] = color[1] = color[2] = 0.05f + 0.75f * visibility;
 }
 
 void hard_worst_picture(image *out, const hard_worst *worst) {
-  const uint32_t panel = worst->width * WORST_SCALE;
-  image_create(out, 2 * panel + WORST_SCALE, worst->height * WORST_SCALE);
+  static const float left_out[3] = {0.1f, 0.12f, 0.17f}, dark[3] = {0.05f, 0.1f, 1.0f}, lit[3] = {1.0f, 0.08f, 0.05f};
+  image_create(out, (2 * worst->width + 1) * WORST_SCALE, worst->height * WORST_SCALE);
   for (uint32_t y = 0; y < worst->height; y++)
     for (uint32_t x = 0; x < worst->width; x++) {
       const size_t i = (size_t)y * worst->width + x;
       const float expected = worst->expected[i], drawn = worst->drawn[i];
-      const float grey = 0.05f + 0.75f * drawn, right = 0.05f + 0.75f * expected;
-      const float wrong[3] = {drawn - expected > 0.5f ? 1.0f : grey, grey, expected - drawn > 0.5f ? 1.0f : grey};
-      fill_square(out, x * WORST_SCALE, y * WORST_SCALE, (const float[3]){right, right, right});
-      fill_square(out, panel + WORST_SCALE + x * WORST_SCALE, y * WORST_SCALE, wrong);
+      float right[3], seen[3];
+      visibility_color(right, expected);
+      visibility_color(seen, drawn);
+      const float *wrong = drawn - expected > 0.5f ? lit : expected - drawn > 0.5f ? dark : seen;
+      fill_square(out, x, y, isnan(expected) ? left_out : right);
+      fill_square(out, worst->width + 1 + x, y, wrong);
     }
 }
 
@@ -205,8 +211,10 @@ hard_count hard_judge(hard_run *run, const hard_truth *truth, const float *mask,
   hard_count count = {0};
   double squares = 0.0, largest = 0.0;
   size_t worst = pixels / 2 + truth->view.width / 2; /* the middle, where nothing is wrong */
+  float *expected = host_allocate(pixels, sizeof *expected);
   for (size_t i = 0; i < pixels; i++) {
-    if (!is_judged(truth, i, margin))
+    expected[i] = is_judged(truth, i, margin) ? truth->visibility[i] : NAN;
+    if (isnan(expected[i]))
       continue;
     const double error = (double)mask[i] - truth->visibility[i];
     count.judged++;

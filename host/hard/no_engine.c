@@ -24,11 +24,11 @@ stage *hard_engine_stage(hard_engine *engine) {
   return NULL;
 }
 
-int hard_engine_map(hard_engine *engine, uint32_t cascade, float **out, uint32_t *side) {
+int hard_engine_map(hard_engine *engine, uint32_t index, csm_cascade_info *cascade, float **out) {
   (void)engine;
+  (void)index;
   (void)cascade;
   (void)out;
-  (void)side;
   return HOST_NO_DEVICE;
 }
 

@@ -61,7 +61,7 @@ static const char help[] =
     "ends in time; 30\n"
     "  --case NAME,NAME|none       hard, report: these hard cases; all of them if none is named\n"
     "  --long                      hard, report: every value of them, not some: minutes\n"
-    "  --table                     hard: print the figures as a table in Markdown\n"
+    "  --table                     hard: print the figures as tables in Markdown\n"
     "  --frames N --keys TEXT      view: N frames, a key of TEXT pressed in each ('.' is none); saves view.png\n"
     "\n"
     "Exit codes: 0 the backends agree, 1 they differ, 2 bad input, 3 no device or backend.\n";

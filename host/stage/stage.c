@@ -8,7 +8,7 @@
 
 static void CSM_CALL log_message(void *user, int32_t level, const char *message) {
   const stage *s = user;
-  if (level == CSM_LOG_ERROR || level == CSM_LOG_WARNING)
+  if (!s->quiet && (level == CSM_LOG_ERROR || level == CSM_LOG_WARNING))
     fprintf(stderr, "csm-host: %s: %s: %s\n", s->backend, level == CSM_LOG_ERROR ? "error" : "warning", message);
 }
 

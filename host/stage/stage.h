@@ -9,6 +9,7 @@
 /* Must not move once it is open. */
 typedef struct stage {
   const char *backend;
+  bool quiet; /* errors are expected: they are not printed */
   char device[256], driver[256];
   const host_setup *setup;
   csm_context *context;

@@ -48,5 +48,7 @@ typedef struct row_table {
 } row_table;
 
 void check_rows(fixture *f, const row_table *table, attempt attempt);
+/* Every way in which an instance can be wrong. */
+void check_instances(fixture *f, const csm_instance *good, attempt attempt);
 
 #endif

@@ -35,8 +35,9 @@ def commands(light):
         "run": ("run", *drawn, *files, "--dump", place / "dump"),
         "measure": ("measure", *drawn, *files, "--dump", place / "dump", "--cache", place / "cache"),
         "presets": ("measure", *drawn, *files, *quick, "--presets", "low", "--cache", place / "cache"),
-        "report": ("report", *drawn, *files, *quick, "--cascades", "1", "--resolutions", "32", "--cache",
-                   place / "cache"),
+        "report": ("report", *drawn, *files, *quick, "--cascades", "1", "--resolutions", "32", "--case", "bare_plane",
+                   "--cache", place / "cache"),
+        "hard": ("hard", "--case", "bare_plane", "--backend", backend, *files),
         "bench": ("bench", *drawn, *files, "--quick", "--only", "depth"),
         "config": ("config", "--preset", {"old": "low", "new": "high"}[light]),
     }

@@ -265,10 +265,44 @@ static void many_numbers_may_be_anything(void **state) {
   support_close(f.context, &f.record);
 }
 
+static void set_field(csm_config *config, const csm_config_field *field, double value) {
+  char *at = (char *)config + field->offset;
+  for (uint32_t i = 0; i < field->length; ++i)
+    if (field->type == CSM_FIELD_DOUBLE || field->type == CSM_FIELD_DOUBLES)
+      memcpy(at + i * sizeof value, &value, sizeof value);
+    else
+      memcpy(at + i * sizeof(uint32_t), &(uint32_t){(uint32_t)value}, sizeof(uint32_t));
+}
+
+/* Every field at its ends, and with every other field at its ends. */
+static void each_pair_of_settings_may_be_at_its_ends(void **state) {
+  (void)state;
+  fixture f;
+  open_fixture(&f);
+  csm_config_field a = {.struct_size = sizeof a}, b = {.struct_size = sizeof b};
+  uint32_t drawn = 0, refused = 0;
+  for (uint32_t i = 0; csm_config_describe(i, &a) == CSM_SUCCESS; ++i)
+    for (uint32_t k = 0; k <= i && csm_config_describe(k, &b) == CSM_SUCCESS; ++k)
+      for (uint32_t ends = 0; ends < 4; ++ends) {
+        numbers odd = f.good;
+        set_field(&odd.config, &a, ends & 1 ? a.maximum : a.minimum);
+        set_field(&odd.config, &b, ends & 2 ? b.maximum : b.minimum);
+        const csm_result result = use(&f, &odd);
+        if (result && result != CSM_ERROR_INVALID_VALUE && result != CSM_ERROR_LIMIT_EXCEEDED)
+          fail_msg("%s and %s, ends %u: %s (%s)", a.name, b.name, ends, csm_result_name(result),
+                   csm_last_error(f.context));
+        drawn += !result;
+        refused += result != CSM_SUCCESS;
+      }
+  assert_true(drawn > 1000 && refused < drawn);
+  support_close(f.context, &f.record);
+}
+
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(each_number_may_be_anything),
       cmocka_unit_test(many_numbers_may_be_anything),
+      cmocka_unit_test(each_pair_of_settings_may_be_at_its_ends),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
 }

@@ -32,7 +32,9 @@ MAY_SEE = {
 # csm-host's own, from the lowest up: each may see those before it.
 HOST = ("base", "native", "scene", "truth", "picture", "setup", "stage", "metrics", "measure", "hard", "report", "bench", "view", "app")
 MAY_SEE |= {f"host/{name}": (PUBLIC, *(f"host/{lower}" for lower in HOST[:i])) for i, name in enumerate(HOST)}
+MAY_SEE["host/hard"] += (SHADER_INCLUDES,)  # it reads the constants that shaders get
 MAY_SEE["host/report"] += ("api/plan",)
+MAY_SEE["host/hard"] += (SHADER_INCLUDES,)  # it reads the constants that an engine's shaders would
 MAY_SEE["host/bench"] += ("api/plan", SHADER_INCLUDES, "shaders")  # it draws a plan without csm
 # What of a layer the others may see, where that is not all of it: its own doors.
 ONLY = {
@@ -41,7 +43,7 @@ ONLY = {
     ("backends/d3d12", PUBLIC): {"csm_base.h", "csm_d3d12.h"},
     ("backends/null", PUBLIC): {"csm_base.h", "csm_vulkan.h", "csm_d3d12.h"},
     **{(f"api/{layer}", GPU): {"gpu.h", "gpu_calls.h", "structs.h"} for layer in ("device", "scene", "techniques", "abi")},
-    **{(f"backends/{name}", GPU): {"gpu.h", "choose.h", "physical.h", "structs.h"} for name in ("vulkan", "d3d12")},
+    **{(f"backends/{name}", GPU): {"gpu.h", "choose.h", "lent.h", "physical.h", "structs.h"} for name in ("vulkan", "d3d12")},
     ("backends/null", GPU): {"gpu.h"},
 }
 # Headers from outside: the API knows no GPU's, but where it hands one over, and the plan does no input and output.

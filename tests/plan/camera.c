@@ -193,7 +193,6 @@ static void names_what_is_wrong(void **state) {
       {"a near plane of 0", 1, 14, 0.0, CSM_ERROR_INVALID_MATRIX},
       {"w from view x", 1, 3, 0.1, CSM_ERROR_INVALID_CAMERA},
       {"w from view z and a constant", 1, 15, 0.5, CSM_ERROR_INVALID_CAMERA},
-      {"an oblique near plane", 1, 2, 0.2, CSM_ERROR_INVALID_CAMERA},
       {"all of it before the near plane", 1, 10, 0.5, CSM_ERROR_INVALID_CAMERA},
       {"a place beyond all sense", 0, 12, 1e31, CSM_ERROR_INVALID_MATRIX},
       {"next to no width", 1, 0, 1e-31, CSM_ERROR_INVALID_CAMERA},
@@ -210,6 +209,93 @@ static void names_what_is_wrong(void **state) {
       fail_msg("%s: %d, not %d", cases[i].what, result, cases[i].result);
     assert_non_null(strstr(error, cases[i].matrix ? "projection" : "view"));
   }
+}
+
+/* ---- oblique near planes ---- */
+
+/*
+ * Lengyel, "Oblique View Frustum Depth Projection and Clipping" (2005), for depth from 0 to 1: clip z becomes the distance
+ * from a plane that crosses the view axis at a depth, scaled so that the corner of the image that rises fastest from
+ * it ends at 1. `tilt` is how the plane's normal leans from the axis, as view x and y. Returns the least depth it leaves.
+ */
+static double make_oblique(double projection[16], const test_camera *camera, const double tilt[2], double depth) {
+  const double z_sign = camera->left_handed ? 1.0 : -1.0, x_sign = camera->mirrored ? -1.0 : 1.0;
+  const double plane[4] = {tilt[0], tilt[1], z_sign, -depth};
+  double fastest = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    const double x = x_sign * ((i & 1 ? 1.0 : -1.0) - camera->center[0]) * camera->half_width;
+    const double y = ((i & 2 ? 1.0 : -1.0) - camera->center[1]) * camera->half_height;
+    fastest = fmax(fastest, tilt[0] * x + tilt[1] * y + 1.0);
+  }
+  for (int k = 0; k < 4; ++k) {
+    const double w = k == 2 ? z_sign : 0.0, z = plane[k] / fastest;
+    projection[k * 4 + 2] = camera->reversed ? w - z : z;
+  }
+  return depth / fastest;
+}
+
+static void a_near_plane_may_be_oblique(void **state) {
+  (void)state;
+  random_state random = {8};
+  for (int i = 0; i < 5000; ++i) {
+    test_camera camera = random_camera(&random, 100.0);
+    camera.orthographic = false;
+    camera.half_height = fmin(camera.half_height, 10.0);
+    camera.half_width = fmin(camera.half_width, 10.0);
+    const double tilt[2] = {random_between(&random, -1.0, 1.0), random_between(&random, 0.01, 1.0)};
+    const double depth = random_scale(&random, 0.01, 100.0);
+    double view[16], projection[16];
+    camera_matrices(&camera, view, projection);
+    const double least = make_oblique(projection, &camera, tilt, depth);
+    if (!(least < 100.0 * depth)) /* next to nothing of the image meets the plane */
+      continue;
+    plan_camera made;
+    const char *error = "";
+    if (plan_camera_make(&made, view, projection, i % 2 ? camera_reversed(&camera) : CSM_REVERSED_BY_MATRIX, &error))
+      fail_msg("%s", error);
+    assert_true(made.oblique && made.reversed == camera.reversed);
+    assert_near(made.near_depth, least, 1e-9 * least);
+    assert_true(isinf(made.far_depth));
+    for (int k = 0; k < 3; ++k)
+      assert_near(made.forward[k], camera.forward[k], 1e-14);
+    /* A place in the picture and its depth are a place in the world */
+    const double x = random_between(&random, -1.0, 1.0), y = random_between(&random, -1.0, 1.0);
+    const double far = least * random_scale(&random, 1.0, 1e3);
+    const double at[2] = {(x - camera.center[0]) * camera.half_width * far * (camera.mirrored ? -1.0 : 1.0),
+                          (y - camera.center[1]) * camera.half_height * far};
+    const double clip = (projection[2] * at[0] + projection[6] * at[1] +
+                         (camera.left_handed ? far : -far) * projection[10] + projection[14]) /
+                        far;
+    const plan_pixel pixel = {x, y, clip};
+    assert_near(plan_convert_depth(&made, NULL, &pixel), far, 1e-9 * far);
+    plan_camera own;
+    plan_depth_camera_make(&own, &made, &(plan_list){0}, &(plan_scene){0});
+    assert_true(own.reversed && own.oblique);
+    const plan_pixel turned = {x, y, camera.reversed ? clip : 1.0 - clip};
+    assert_near(plan_convert_depth(&own, &made, &turned), clip, 1e-15);
+    assert_near(plan_convert_depth(&own, NULL, &turned), far, 1e-9 * far);
+  }
+}
+
+static void oblique_planes_that_say_nothing_are_refused(void **state) {
+  (void)state;
+  test_camera camera = plain_camera();
+  double view[16], projection[16];
+  plan_camera made;
+  const char *error = "";
+  camera_matrices(&camera, view, projection);
+  (void)make_oblique(projection, &camera, (const double[]){0.3, 0.4}, 2.0);
+  assert_int_equal(plan_camera_make(&made, view, projection, CSM_REVERSED_YES, &error), CSM_ERROR_INVALID_CAMERA);
+  assert_non_null(strstr(error, "reversed"));
+  /* The camera lies beyond the plane, and sees none of what it leaves */
+  (void)make_oblique(projection, &camera, (const double[]){0.3, 0.4}, -2.0);
+  projection[14] = 0.0;
+  assert_int_equal(plan_camera_make(&made, view, projection, CSM_REVERSED_BY_MATRIX, &error), CSM_ERROR_INVALID_MATRIX);
+  camera.orthographic = true;
+  camera_matrices(&camera, view, projection);
+  projection[2] = 0.2;
+  assert_int_equal(plan_camera_make(&made, view, projection, CSM_REVERSED_BY_MATRIX, &error), CSM_ERROR_INVALID_CAMERA);
+  assert_non_null(strstr(error, "oblique"));
 }
 
 static void refuses_planes_behind_the_camera(void **state) {
@@ -310,6 +396,8 @@ int main(void) {
       cmocka_unit_test(an_orthographic_camera_that_begins_at_its_place_tells),
       cmocka_unit_test(a_perspective_camera_tells_and_is_not_contradicted),
       cmocka_unit_test(names_what_is_wrong),
+      cmocka_unit_test(a_near_plane_may_be_oblique),
+      cmocka_unit_test(oblique_planes_that_say_nothing_are_refused),
       cmocka_unit_test(refuses_planes_behind_the_camera),
       cmocka_unit_test(inverts_matrices_of_any_scale),
       cmocka_unit_test(finds_singular_matrices),

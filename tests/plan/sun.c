@@ -57,7 +57,7 @@ static void a_step_holds_the_light(void **state) {
   for (int i = 0; i < 3000; ++i) {
     csm_config config = light_config();
     config.light_roll = (uint32_t)i % 2;
-    config.light_step_texels = random_scale(&random, 0.1, 16.0);
+    config.light_step_texels = random_scale(&random, 4.0, 16.0);
     const double step = config.light_step_texels / config.resolution;
     double first[3], frame_axes[9], moved[3];
     const char *error = "";
@@ -98,6 +98,25 @@ static void a_step_shifts_no_map_farther_than_it_says(void **state) {
       held = texels;
   }
   assert_near(held, 2.0, 0.06);
+}
+
+/* One that turns by less than can be seen in a frame: 7 * 4 / 255 texels, with the default filter of 2 texels' reach. */
+static void a_short_step_leaves_a_slow_light_alone(void **state) {
+  (void)state;
+  const double first[3] = {0.3, -1.0, 0.2}, seen = 28.0 / 255.0;
+  for (int i = 0; i < 4; ++i) {
+    csm_config config = light_config();
+    config.light_step_texels = i < 2 ? 1.0 : 20.0 * seen * 1.001;
+    const plan_frame then = plan_after(&config, first, NULL);
+    double moved[3];
+    turn(moved, &then.basis[6], then.basis, (i % 2 ? 1.01 : 0.99) * seen / config.resolution);
+    const plan_frame now = plan_after(&config, moved, &then.history);
+    const bool rests = memcmp(now.basis, then.basis, sizeof then.basis) == 0;
+    assert_true(rests == (i > 0));
+    /* One that has come to rest stays as it was drawn, though it was fast before. */
+    const plan_frame later = plan_after(&config, moved, &now.history);
+    assert_memory_equal(later.basis, now.basis, sizeof now.basis);
+  }
 }
 
 /* A light that creeps is drawn with directions a step apart, never more than one away from its own. */
@@ -223,9 +242,13 @@ static void a_carried_roll_stands_any_turn(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_step_holds_the_light),         cmocka_unit_test(a_step_shifts_no_map_farther_than_it_says),
-      cmocka_unit_test(a_creeping_light_is_followed),   cmocka_unit_test(carried_maps_turn_no_more_than_their_light),
-      cmocka_unit_test(fixed_maps_turn_over_somewhere), cmocka_unit_test(a_fixed_roll_follows_from_the_direction_alone),
+      cmocka_unit_test(a_step_holds_the_light),
+      cmocka_unit_test(a_step_shifts_no_map_farther_than_it_says),
+      cmocka_unit_test(a_short_step_leaves_a_slow_light_alone),
+      cmocka_unit_test(a_creeping_light_is_followed),
+      cmocka_unit_test(carried_maps_turn_no_more_than_their_light),
+      cmocka_unit_test(fixed_maps_turn_over_somewhere),
+      cmocka_unit_test(a_fixed_roll_follows_from_the_direction_alone),
       cmocka_unit_test(a_carried_roll_stands_any_turn),
   };
   return cmocka_run_group_tests_name("plan-sun", tests, NULL, NULL);

@@ -7,7 +7,7 @@
  * Conventions: column vectors, column-major matrices (element [column * 4 + row]), world positions in doubles, metres,
  * radians. Clip z in [0,1], clip y up; texture coordinate v = 0 and texel row 0 are clip y = +1. A light's direction is
  * the way its light travels. View matrices take world to view. Projections may be perspective or orthographic,
- * off-centre, jittered, reversed-Z, with an infinite far plane, of either handedness.
+ * off-centre, jittered, reversed-Z, with an infinite far plane or an oblique near one, of either handedness.
  *
  * Structs begin with struct_size = sizeof(the struct). A smaller size means that the missing tail is zero, which is
  * neutral; a larger one is accepted when its unknown tail is zero. Outputs are never written past the caller's size.
