@@ -138,8 +138,10 @@ static void add_flattened(scene *s) {
 static void add_twice(scene *s) {
   const size_t count = s->instance_count;
   for (size_t i = 0; i < count; i++)
-    for (int again = 0; again < 3; again++)
-      scene_add_instance(s, s->instances[i].mesh, s->instances[i].transform);
+    for (int again = 0; again < 3; again++) {
+      const scene_instance kept = s->instances[i]; /* the array may move */
+      scene_add_instance(s, kept.mesh, kept.transform);
+    }
 }
 
 /* Each triangle becomes three, about a point that is 1/4096 of its height away from an edge: the same surface. */

@@ -229,7 +229,8 @@ hard_count hard_judge(hard_run *run, const hard_truth *truth, const float *mask,
   }
   count.rms = count.judged ? sqrt(squares / (double)count.judged) : 0.0;
   keep_worst(run, (double)(count.false_dark + count.false_lit) + largest, worst, truth->view.width, truth->view.height,
-             (const float *const[]){truth->visibility, mask}, "the truth, and what was drawn");
+             (const float *const[]){expected, mask}, "the truth, and what was drawn");
+  free(expected);
   return count;
 }
 

@@ -47,6 +47,8 @@ int camera_from_object(camera *out, const json_t *object, const json_source *fro
     return json_source_fail(from, "reversed", "must be true or false");
   const bool reversed = json_boolean_value(told);
   const char *problem = camera_from_matrices(out, view, projection, told ? &reversed : NULL);
+  if (problem && !told) /* a matrix that leaves it open is taken as one whose depth grows with the distance */
+    problem = camera_from_matrices(out, view, projection, &reversed);
   if (problem)
     return json_source_fail(from, NULL, problem);
   /* the file's own numbers, rather than what is left of them in the projection */

@@ -37,8 +37,8 @@ static csm_result create(world *w) {
   csm_context *made = (csm_context *)w;
   csm_context **out = dice_one_in(&w->dice, 8) ? NULL : &made;
   csm_create_info *info = world_risk(w, &good, &create_struct);
-  if (info && info->struct_size > offsetof(csm_create_info, allocate) &&
-      info->struct_size < offsetof(csm_create_info, error)) /* the callbacks need their user */
+  if (info && info->struct_size > offsetof(csm_create_info, vulkan) &&
+      info->struct_size < offsetof(csm_create_info, error)) /* amid the two APIs, or callbacks without their user */
     info->struct_size = 0;
   const csm_result result = csm_create(info, out);
   if (out)
@@ -52,7 +52,7 @@ static csm_result switch_backend(world *w) {
   const bool lent = w->lent && dice_one_in(&w->dice, 2);
   const csm_create_info good = roll_create(w, lent);
   csm_create_info *info = world_risk(w, &good, &create_struct);
-  if (info && info->struct_size < offsetof(csm_create_info, vulkan)) /* the limit must stay */
+  if (info && info->struct_size < offsetof(csm_create_info, allocate)) /* the limit and the device stay */
     info->struct_size = 0;
   const csm_result result = csm_switch_backend(w->context, info);
   if (result)

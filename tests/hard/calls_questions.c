@@ -96,7 +96,7 @@ static const spoil_struct read_struct = SPOIL_STRUCT(csm_read_info, read_fields)
 /* The size that the answer should have; it is what the memory has room for, too. */
 static csm_read_info roll_read(world *w, const world_cascades *cascades, const world_view *view) {
   csm_read_info info = {.struct_size = sizeof info,
-                        .source = dice_below(&w->dice, 3),
+                        .source = dice_below(&w->dice, 4),
                         .cascades = cascades ? cascades->cascades : NULL,
                         .view = view ? view->view : NULL,
                         .cascade = dice_below(&w->dice, 3)};
@@ -175,6 +175,21 @@ static csm_result ask_config(world *w) {
   return result;
 }
 
+/* Mostly how many there are, for each that is described has its device looked for. */
+static csm_result ask_backends(world *w) {
+  static csm_backend_info infos[2];
+  uint32_t count = dice_one_in(&w->dice, 60) ? 1 + dice_below(&w->dice, 2) : 0;
+  infos[0].struct_size =
+      dice_one_in(&w->dice, 4) ? dice_odd_whole(&w->dice, 8) % sizeof infos[0] / 8 * 8 : sizeof infos[0];
+  const bool told = dice_one_in(&w->dice, 2), whole = infos[0].struct_size == sizeof infos[0];
+  const uint32_t wanted = count;
+  const csm_result result = csm_query_backends(dice_one_in(&w->dice, 8) ? NULL : &count, told ? infos : NULL);
+  world_answer(w, &count, sizeof count);
+  for (uint32_t i = 0; i < wanted && i < 2 && told && whole && !result; ++i)
+    world_answer(w, infos[i].name, strlen(infos[i].name));
+  return result;
+}
+
 static csm_result ask_names(world *w) {
   const csm_result any =
       dice_one_in(&w->dice, 2) ? -(csm_result)dice_below(&w->dice, 30) : (csm_result)dice_bits(&w->dice);
@@ -195,6 +210,7 @@ const world_call calls_questions[] = {
     {.name = "csm_read", .weight = 25, .call = read_back},
     {.name = "csm_shader_defines", .weight = 3, .call = ask_defines},
     {.name = "csm_config_*", .weight = 6, .call = ask_config},
+    {.name = "csm_query_backends", .weight = 1, .call = ask_backends},
     {.name = "csm_result_name", .weight = 2, .call = ask_names},
     {.name = NULL},
 };

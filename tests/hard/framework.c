@@ -169,6 +169,7 @@ static void the_worst_is_pictured(void **state) {
   const hard_worst *worst = &f.run.worst;
   assert_int_equal(worst->width, WIDTH);
   assert_true(worst->expected[at] == 1.0f && worst->drawn[at] == 0.0f && worst->severity >= 1.0);
+  assert_true(isnan(worst->expected[0])); /* the sky is not judged */
   f.mask[at] = 1.0f;
   judge(&f, 0.0, 0.0);
   assert_true(worst->drawn[at] == 0.0f); /* what is better is not kept */

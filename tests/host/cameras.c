@@ -135,12 +135,29 @@ static void a_camera_survives_json(void **state) {
   unlink(path);
 }
 
+/* From 50 m before the eye to 50 m behind it: the matrix leaves open which end is near. */
+static void a_camera_that_leaves_it_open_is_not_reversed(void **state) {
+  (void)state;
+  char path[64];
+  make_path(path, ".json");
+  write_text(path, "{\"view\": [1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, -20, 1],"
+                   " \"projection\": [0.0625, 0, 0, 0, 0, 0.1, 0, 0, 0, 0, -0.01, 0, 0, 0, 0.5, 1]}");
+  camera found;
+  uint32_t width = 0, height = 0;
+  assert_int_equal(camera_from_json(&found, &width, &height, path), 0);
+  assert_false(found.reversed);
+  assert_true(fabs(found.forward[1] + 1.0) < 1e-12); /* downwards */
+  assert_true(fabs(found.near_depth + 50.0) < 1e-9 && fabs(found.far_depth - 50.0) < 1e-9);
+  unlink(path);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(pose_makes_reversed_right_handed_cameras),
       cmocka_unit_test(any_projection_is_understood),
       cmocka_unit_test(bad_poses_are_refused),
       cmocka_unit_test(a_camera_survives_json),
+      cmocka_unit_test(a_camera_that_leaves_it_open_is_not_reversed),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -32,7 +32,6 @@ MAY_SEE = {
 # csm-host's own, from the lowest up: each may see those before it.
 HOST = ("base", "native", "scene", "truth", "picture", "setup", "stage", "metrics", "measure", "hard", "report", "bench", "view", "app")
 MAY_SEE |= {f"host/{name}": (PUBLIC, *(f"host/{lower}" for lower in HOST[:i])) for i, name in enumerate(HOST)}
-MAY_SEE["host/hard"] += (SHADER_INCLUDES,)  # it reads the constants that shaders get
 MAY_SEE["host/report"] += ("api/plan",)
 MAY_SEE["host/hard"] += (SHADER_INCLUDES,)  # it reads the constants that an engine's shaders would
 MAY_SEE["host/bench"] += ("api/plan", SHADER_INCLUDES, "shaders")  # it draws a plan without csm

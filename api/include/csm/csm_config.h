@@ -16,7 +16,7 @@ extern "C" {
 #define CSM_MAX_CASCADES 8
 
 enum {
-  CSM_SPLIT_PRACTICAL = 0, /* by split_lambda */
+  CSM_SPLIT_PRACTICAL = 0, /* by split_lambda; of an orthographic camera uniform, as all but the given ones are */
   CSM_SPLIT_MANUAL = 1,    /* by split_distances */
   CSM_SPLIT_UNIFORM = 2,
   CSM_SPLIT_LOGARITHMIC = 3,
@@ -87,7 +87,8 @@ typedef struct csm_config {
 
   /* Depth: from where to where a map reaches along the light. */
   uint32_t depth_mode;    /* CSM_DEPTH_* */
-  double caster_distance; /* how far before a slice, towards the light, a caster's depth is kept, in metres */
+  double caster_distance; /* how far before a slice, towards the light, a caster's depth is kept, in metres; at most
+                             as far as map_format resolves */
   uint32_t pancaking;     /* CSM_PANCAKING_*: what becomes of casters before a map's near plane */
 
   /* Stability: what keeps a map from swimming. */
