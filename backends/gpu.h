@@ -241,10 +241,14 @@ typedef struct gpu_region {
 /* What an engine's image is to hold. A depth has one channel, normals have three or four. */
 typedef enum gpu_texels { GPU_TEXELS_DEPTH, GPU_TEXELS_NORMALS } gpu_texels;
 
+/* What numbers texels are: normalised integers from 0 to 1, or from -1 to 1. */
+typedef enum gpu_numbers { GPU_NUMBERS_FLOAT, GPU_NUMBERS_UNORM, GPU_NUMBERS_SNORM } gpu_numbers;
+
 /* What an engine's image turned out to be. */
 typedef struct gpu_imported {
   uint32_t width, height;
-  bool unorm; /* its texels are normalised integers */
+  gpu_numbers numbers;
+  uint32_t bits; /* of a component; of a float, those of its significand, the hidden one included */
 } gpu_imported;
 
 /* What an engine's shaders sample: VkImage, VkImageView (of all layers and levels) and VkSamplers, or ID3D12Resource*.

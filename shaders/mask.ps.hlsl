@@ -12,6 +12,20 @@ float3 surface_normal(float2 place, float depth)
 #endif
 }
 
+// How much its last component may be off, as what it was made of is rounded.
+float normal_doubt(float2 place, float depth)
+{
+    float2 rounding = mask_c[CSM_M_CLEAR].zw;
+#if MASK_NORMALS
+    float3 n = abs(normals.Load(int3(int2(place), 0)).xyz * inputs.normal_2.xyz);
+    return mad(n.x + n.y + n.z, rounding.x, rounding.y);
+#else
+    float across = mad(-place.x, inputs.normal_2.w, inputs.normal_2.x);
+    float down = mad(-place.y, inputs.normal_2.w, inputs.normal_2.y);
+    return mad(depth, rounding.x, rounding.y) * (abs(across) + abs(down));
+#endif
+}
+
 float main(mask_inputs pixel) : SV_Target
 {
     inputs = pixel;
@@ -21,6 +35,8 @@ float main(mask_inputs pixel) : SV_Target
 #if CSM_NORMAL_OFFSET_ON != 0
     normal = unit(normal);
 #endif
-    float lit = csm_visibility_of(csm_receiver_of(at, normal, light_view_depth(at)));
+    csm_receiver receiver = csm_receiver_of(at, normal, light_view_depth(at));
+    receiver.doubt = normal_doubt(place, depth);
+    float lit = csm_visibility_of(receiver);
     return depth == mask_c[CSM_M_CLEAR].x ? 1.0 : lit;
 }

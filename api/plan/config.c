@@ -83,6 +83,8 @@ typedef struct config_entry {
  * much as the plane's depth changes over the filter's reach: a plane never shadows itself, and less would not do.
  * - slope_max: a receiver of slope 10 gets a tenth of the light. Beyond, half a texel in the map is so much depth that
  * a growing bias would let more light through than it keeps off.
+ * - plane_max: texels that a steeper receiver's plane may itself have darkened have no say. 10000 is a sun at 0.006
+ * degrees.
  * - constant: half a texel times the slope of 45 degrees, for what stands beside a receiver that faces the light. It
  * also covers rounding: the rasteriser places vertices to 1/256 pixel, which moves a plane of slope 10 by at most 0.02
  *   texel; D32 over a range of 64 radii at 2048 texels, and the float arithmetic that leads there, is off by 2^-22 of
@@ -198,6 +200,11 @@ static const config_entry entries[] = {
                    "bias_mode slope, times half a texel with receiver_plane."),
     ENTRY(bias_slope_max, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 10000.0,
           .default_value = 10.0, .unit = "1", .about = "Slope at which the slope bias stops growing."),
+    ENTRY(bias_plane_max, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 10000.0,
+          .default_value = 10000.0, .unit = "1",
+          .about =
+              "Slope up to which the plane of a receiver steeper than bias_slope_max is told from what shadows it, "
+              "with bias_mode receiver_plane; no more than that is as that."),
     ENTRY(bias_normal_texels, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 4.0,
           .default_value = 0.0, .unit = "texels", .about = "Offset of the receiver along its normal."),
     ENTRY(bias_constant_range, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = -1.0, .maximum = 1.0,

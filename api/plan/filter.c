@@ -43,6 +43,15 @@ double plan_filter_reach_texels(const csm_config *config) {
   }
 }
 
+/*
+ * What lies away from the light in a filter, of a plane that falls off along an axis of the map, is least where the
+ * sample lies on a row of taps: (n - 1) / 2n of n rows. Of few taps it may be nothing.
+ */
+double plan_filter_least_share(const csm_config *config) {
+  const bool few = plan_filter_taps(config) < 3 || (config->filter == CSM_FILTER_VOGEL && config->filter_taps < 16);
+  return few ? 0.0 : 1.0 / 3.0;
+}
+
 uint32_t plan_filter_radius_texels(const csm_config *config) {
   return (uint32_t)ceil(plan_filter_reach_texels(config));
 }

@@ -222,6 +222,8 @@ uint32_t plan_filter_taps(const csm_config *config);
 double plan_filter_weights(double weights[PLAN_MAX_WEIGHTS], const csm_config *config);
 /* From a sample to the farthest texel's centre that it is compared with, along one axis. */
 double plan_filter_reach_texels(const csm_config *config);
+/* Of a filter's weights, at least how much lies on one side of a line through its sample. */
+double plan_filter_least_share(const csm_config *config);
 /* Room that a map leaves at its borders. */
 double plan_padding_texels(const csm_config *config);
 

@@ -309,12 +309,20 @@ void plan_write_view_matrices(float *out, const plan_list *list, const plan_came
 
 /* The block that shaders/include/csm_constants.h lays out, relative to frame->origin. Returns its bytes. */
 uint32_t plan_write_constants(float *out, const plan_frame *frame, const csm_config *config);
+/* How far a number that an image holds may be from what it stands for. */
+typedef struct plan_grain {
+  double share; /* of itself */
+  double step;  /* and so much more */
+} plan_grain;
+
 /* What a mask is drawn for. */
 typedef struct plan_picture {
   const plan_camera *camera; /* that its depth is of */
   uint32_t width, height;    /* in pixels */
   uint32_t show;             /* CSM_SHOW_* */
-  bool unorm_normals;        /* the engine's normals are normalised integers */
+  bool normals;              /* the engine's are there, and not taken from the depth */
+  bool unorm_normals;        /* they are normalised integers */
+  plan_grain rounding;    /* of the normals, or of the depth */
 } plan_picture;
 
 /* The block of the mask pass: how the picture's pixels map to light space, relative to frame->origin. Returns its

@@ -87,6 +87,8 @@ static void put_bias(float *out, const csm_config *config) {
       config->bias_normal_texels);
   put(out, CSM_S_UNITS, config->bias_constant_range + rounding, config->bias_constant_m, config->bias_slope_range,
       config->bias_limit_range > 0.0 ? config->bias_limit_range : 1e30);
+  put(out, CSM_S_OWN, fmax(config->bias_plane_max, config->bias_slope_max), plan_filter_reach_texels(config),
+      plan_filter_least_share(config), 0.0);
 }
 
 static void put_settings(float *out, const plan_frame *frame, const csm_config *config) {
@@ -183,13 +185,25 @@ static void put_pixels(float *out, const plan_frame *frame, const plan_picture *
   put(out, CSM_M_LIGHT + 3, to_relative[3], to_relative[7], to_relative[11], to_relative[15]);
 }
 
+/*
+ * What CSM_M_CLEAR says of rounding. A normal's components are each off by it, and their sum along the light by all of
+ * them. A depth's step is the difference of two depths.
+ */
+static plan_grain normal_rounding(const plan_frame *frame, const plan_picture *picture) {
+  const double *along = &frame->basis[6];
+  const plan_grain r = picture->rounding;
+  const double decode = picture->unorm_normals ? 2.0 : 1.0, sum = fabs(along[0]) + fabs(along[1]) + fabs(along[2]);
+  return picture->normals ? (plan_grain){r.share, decode * sum * r.step} : (plan_grain){2.0 * r.share, 2.0 * r.step};
+}
+
 uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_picture *picture) {
   const double width = picture->width, height = picture->height;
+  const plan_grain rounding = normal_rounding(frame, picture);
   double forward[3];
   const double depth = look(forward, frame);
   put_pixels(out, frame, picture);
   put(out, CSM_M_SIZE, width, height, 1.0 / width, 1.0 / height);
-  put(out, CSM_M_CLEAR, plan_clear_depth(picture->camera), picture->show, 0.0, 0.0);
+  put(out, CSM_M_CLEAR, plan_clear_depth(picture->camera), picture->show, rounding.share, rounding.step);
   put(out, CSM_M_DEPTH, plan_dot(forward, &frame->basis[0]), plan_dot(forward, &frame->basis[3]),
       plan_dot(forward, &frame->basis[6]), depth);
   return CSM_M_COUNT * 4 * sizeof(float);

@@ -10,6 +10,14 @@ static void imported_free(device *device, retired *self) {
   host_release(device->host, self);
 }
 
+/* A float is off by half of its significand's last place, of which its leading place is 2^(bits - 1) at least. */
+static plan_grain rounding_of(const gpu_imported *about) {
+  const double places = (double)(1u << about->bits);
+  if (about->numbers == GPU_NUMBERS_FLOAT)
+    return (plan_grain){.share = 1.0 / places};
+  return (plan_grain){.step = about->numbers == GPU_NUMBERS_SNORM ? 1.0 / (places - 2.0) : 0.5 / (places - 1.0)};
+}
+
 csm_result engine_image_import(device *device, const engine_image *from, engine_imported *out) {
   *out = (engine_imported){0};
   if (!from->native)
@@ -29,6 +37,7 @@ csm_result engine_image_import(device *device, const engine_image *from, engine_
   if (about.width != from->width || about.height != from->height)
     return host_fail(device->host, CSM_ERROR_INVALID_VALUE, "%s is %u x %u, and the mask %u x %u", from->name,
                      about.width, about.height, from->width, from->height);
-  *out = (engine_imported){.image = imported->image, .unorm = about.unorm};
+  *out = (engine_imported){
+      .image = imported->image, .unorm = about.numbers == GPU_NUMBERS_UNORM, .rounding = rounding_of(&about)};
   return CSM_SUCCESS;
 }

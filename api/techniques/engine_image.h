@@ -3,6 +3,7 @@
 #define TECHNIQUES_ENGINE_IMAGE_H
 
 #include "device/device.h"
+#include "plan/plan.h"
 
 typedef struct engine_image {
   const void *native;     /* csm_vulkan_image, csm_d3d12_image, or NULL */
@@ -13,7 +14,8 @@ typedef struct engine_image {
 
 typedef struct engine_imported {
   gpu_image *image; /* NULL: there is none */
-  bool unorm;       /* its texels are normalised integers */
+  bool unorm;       /* its texels are normalised integers from 0 to 1 */
+  plan_grain rounding;
 } engine_imported;
 
 /*

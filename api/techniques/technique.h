@@ -40,6 +40,7 @@ typedef struct technique_picture {
   const void *engines_depth; /* csm_vulkan_image, csm_d3d12_image, or NULL; as in csm_mask_info */
   const void *engines_normals;
   gpu_image *depth; /* out, of technique_camera_depth: readable once that is recorded */
+  plan_grain depth_rounding;
 } technique_picture;
 
 /* One recording on its way through the techniques. */

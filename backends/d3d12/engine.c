@@ -45,24 +45,25 @@ csm_result d3d12_engine_take(gpu_device *device, const void *native_device) {
 typedef struct texel_format {
   DXGI_FORMAT format;
   gpu_texels texels;
-  bool unorm; /* normals lie in [0,1] then; floats and signed integers are as shaders want them */
+  gpu_numbers numbers;
+  uint32_t bits;
 } texel_format;
 
 static const texel_format texel_formats[] = {
-    {DXGI_FORMAT_R32_FLOAT, GPU_TEXELS_DEPTH, false},
-    {DXGI_FORMAT_R32_FLOAT_X8X24_TYPELESS, GPU_TEXELS_DEPTH, false},
-    {DXGI_FORMAT_R24_UNORM_X8_TYPELESS, GPU_TEXELS_DEPTH, true},
-    {DXGI_FORMAT_R16_UNORM, GPU_TEXELS_DEPTH, true},
-    {DXGI_FORMAT_R16_FLOAT, GPU_TEXELS_DEPTH, false},
-    {DXGI_FORMAT_R8G8B8A8_UNORM, GPU_TEXELS_NORMALS, true},
-    {DXGI_FORMAT_B8G8R8A8_UNORM, GPU_TEXELS_NORMALS, true},
-    {DXGI_FORMAT_R10G10B10A2_UNORM, GPU_TEXELS_NORMALS, true},
-    {DXGI_FORMAT_R16G16B16A16_UNORM, GPU_TEXELS_NORMALS, true},
-    {DXGI_FORMAT_R8G8B8A8_SNORM, GPU_TEXELS_NORMALS, false},
-    {DXGI_FORMAT_R16G16B16A16_SNORM, GPU_TEXELS_NORMALS, false},
-    {DXGI_FORMAT_R16G16B16A16_FLOAT, GPU_TEXELS_NORMALS, false},
-    {DXGI_FORMAT_R32G32B32_FLOAT, GPU_TEXELS_NORMALS, false},
-    {DXGI_FORMAT_R32G32B32A32_FLOAT, GPU_TEXELS_NORMALS, false},
+    {DXGI_FORMAT_R32_FLOAT, GPU_TEXELS_DEPTH, GPU_NUMBERS_FLOAT, 24},
+    {DXGI_FORMAT_R32_FLOAT_X8X24_TYPELESS, GPU_TEXELS_DEPTH, GPU_NUMBERS_FLOAT, 24},
+    {DXGI_FORMAT_R24_UNORM_X8_TYPELESS, GPU_TEXELS_DEPTH, GPU_NUMBERS_UNORM, 24},
+    {DXGI_FORMAT_R16_UNORM, GPU_TEXELS_DEPTH, GPU_NUMBERS_UNORM, 16},
+    {DXGI_FORMAT_R16_FLOAT, GPU_TEXELS_DEPTH, GPU_NUMBERS_FLOAT, 11},
+    {DXGI_FORMAT_R8G8B8A8_UNORM, GPU_TEXELS_NORMALS, GPU_NUMBERS_UNORM, 8},
+    {DXGI_FORMAT_B8G8R8A8_UNORM, GPU_TEXELS_NORMALS, GPU_NUMBERS_UNORM, 8},
+    {DXGI_FORMAT_R10G10B10A2_UNORM, GPU_TEXELS_NORMALS, GPU_NUMBERS_UNORM, 10},
+    {DXGI_FORMAT_R16G16B16A16_UNORM, GPU_TEXELS_NORMALS, GPU_NUMBERS_UNORM, 16},
+    {DXGI_FORMAT_R8G8B8A8_SNORM, GPU_TEXELS_NORMALS, GPU_NUMBERS_SNORM, 8},
+    {DXGI_FORMAT_R16G16B16A16_SNORM, GPU_TEXELS_NORMALS, GPU_NUMBERS_SNORM, 16},
+    {DXGI_FORMAT_R16G16B16A16_FLOAT, GPU_TEXELS_NORMALS, GPU_NUMBERS_FLOAT, 11},
+    {DXGI_FORMAT_R32G32B32_FLOAT, GPU_TEXELS_NORMALS, GPU_NUMBERS_FLOAT, 24},
+    {DXGI_FORMAT_R32G32B32A32_FLOAT, GPU_TEXELS_NORMALS, GPU_NUMBERS_FLOAT, 24},
 };
 
 /* NULL if it holds no such texels. */
@@ -112,8 +113,9 @@ csm_result d3d12_image_import(gpu_device *device, const void *native_image, gpu_
   image->layer_count = image->level_count = 1;
   image->resource.handle = resource;
   ID3D12Resource_AddRef(resource);
-  *about = (gpu_imported){
-      .width = native.width, .height = native.height, .unorm = find_format(native.format, texels)->unorm};
+  const texel_format *format = find_format(native.format, texels);
+  *about =
+      (gpu_imported){.width = native.width, .height = native.height, .numbers = format->numbers, .bits = format->bits};
   *out = image;
   return CSM_SUCCESS;
 }

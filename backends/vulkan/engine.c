@@ -99,30 +99,31 @@ csm_result vulkan_engine_take(gpu_device *device, const void *native_device) {
 typedef struct texel_format {
   VkFormat format;
   gpu_texels texels;
-  bool unorm; /* normals lie in [0,1] then; floats and signed integers are as shaders want them */
+  gpu_numbers numbers;
+  uint32_t bits;
 } texel_format;
 
 static const texel_format texel_formats[] = {
-    {VK_FORMAT_D16_UNORM, GPU_TEXELS_DEPTH, true},
-    {VK_FORMAT_D16_UNORM_S8_UINT, GPU_TEXELS_DEPTH, true},
-    {VK_FORMAT_X8_D24_UNORM_PACK32, GPU_TEXELS_DEPTH, true},
-    {VK_FORMAT_D24_UNORM_S8_UINT, GPU_TEXELS_DEPTH, true},
-    {VK_FORMAT_D32_SFLOAT, GPU_TEXELS_DEPTH, false},
-    {VK_FORMAT_D32_SFLOAT_S8_UINT, GPU_TEXELS_DEPTH, false},
-    {VK_FORMAT_R16_UNORM, GPU_TEXELS_DEPTH, true},
-    {VK_FORMAT_R16_SFLOAT, GPU_TEXELS_DEPTH, false},
-    {VK_FORMAT_R32_SFLOAT, GPU_TEXELS_DEPTH, false},
-    {VK_FORMAT_R8G8B8A8_UNORM, GPU_TEXELS_NORMALS, true},
-    {VK_FORMAT_A8B8G8R8_UNORM_PACK32, GPU_TEXELS_NORMALS, true},
-    {VK_FORMAT_B8G8R8A8_UNORM, GPU_TEXELS_NORMALS, true},
-    {VK_FORMAT_A2B10G10R10_UNORM_PACK32, GPU_TEXELS_NORMALS, true},
-    {VK_FORMAT_R16G16B16A16_UNORM, GPU_TEXELS_NORMALS, true},
-    {VK_FORMAT_R8G8B8A8_SNORM, GPU_TEXELS_NORMALS, false},
-    {VK_FORMAT_A8B8G8R8_SNORM_PACK32, GPU_TEXELS_NORMALS, false},
-    {VK_FORMAT_R16G16B16A16_SNORM, GPU_TEXELS_NORMALS, false},
-    {VK_FORMAT_R16G16B16A16_SFLOAT, GPU_TEXELS_NORMALS, false},
-    {VK_FORMAT_R32G32B32_SFLOAT, GPU_TEXELS_NORMALS, false},
-    {VK_FORMAT_R32G32B32A32_SFLOAT, GPU_TEXELS_NORMALS, false},
+    {VK_FORMAT_D16_UNORM, GPU_TEXELS_DEPTH, GPU_NUMBERS_UNORM, 16},
+    {VK_FORMAT_D16_UNORM_S8_UINT, GPU_TEXELS_DEPTH, GPU_NUMBERS_UNORM, 16},
+    {VK_FORMAT_X8_D24_UNORM_PACK32, GPU_TEXELS_DEPTH, GPU_NUMBERS_UNORM, 24},
+    {VK_FORMAT_D24_UNORM_S8_UINT, GPU_TEXELS_DEPTH, GPU_NUMBERS_UNORM, 24},
+    {VK_FORMAT_D32_SFLOAT, GPU_TEXELS_DEPTH, GPU_NUMBERS_FLOAT, 24},
+    {VK_FORMAT_D32_SFLOAT_S8_UINT, GPU_TEXELS_DEPTH, GPU_NUMBERS_FLOAT, 24},
+    {VK_FORMAT_R16_UNORM, GPU_TEXELS_DEPTH, GPU_NUMBERS_UNORM, 16},
+    {VK_FORMAT_R16_SFLOAT, GPU_TEXELS_DEPTH, GPU_NUMBERS_FLOAT, 11},
+    {VK_FORMAT_R32_SFLOAT, GPU_TEXELS_DEPTH, GPU_NUMBERS_FLOAT, 24},
+    {VK_FORMAT_R8G8B8A8_UNORM, GPU_TEXELS_NORMALS, GPU_NUMBERS_UNORM, 8},
+    {VK_FORMAT_A8B8G8R8_UNORM_PACK32, GPU_TEXELS_NORMALS, GPU_NUMBERS_UNORM, 8},
+    {VK_FORMAT_B8G8R8A8_UNORM, GPU_TEXELS_NORMALS, GPU_NUMBERS_UNORM, 8},
+    {VK_FORMAT_A2B10G10R10_UNORM_PACK32, GPU_TEXELS_NORMALS, GPU_NUMBERS_UNORM, 10},
+    {VK_FORMAT_R16G16B16A16_UNORM, GPU_TEXELS_NORMALS, GPU_NUMBERS_UNORM, 16},
+    {VK_FORMAT_R8G8B8A8_SNORM, GPU_TEXELS_NORMALS, GPU_NUMBERS_SNORM, 8},
+    {VK_FORMAT_A8B8G8R8_SNORM_PACK32, GPU_TEXELS_NORMALS, GPU_NUMBERS_SNORM, 8},
+    {VK_FORMAT_R16G16B16A16_SNORM, GPU_TEXELS_NORMALS, GPU_NUMBERS_SNORM, 16},
+    {VK_FORMAT_R16G16B16A16_SFLOAT, GPU_TEXELS_NORMALS, GPU_NUMBERS_FLOAT, 11},
+    {VK_FORMAT_R32G32B32_SFLOAT, GPU_TEXELS_NORMALS, GPU_NUMBERS_FLOAT, 24},
+    {VK_FORMAT_R32G32B32A32_SFLOAT, GPU_TEXELS_NORMALS, GPU_NUMBERS_FLOAT, 24},
 };
 
 /* NULL if it holds no such texels. */
@@ -168,8 +169,9 @@ csm_result vulkan_image_import(gpu_device *device, const void *native_image, gpu
   image->sampled_layout = (VkImageLayout)native.layout;
   image->width = native.width;
   image->height = native.height;
-  *about = (gpu_imported){
-      .width = native.width, .height = native.height, .unorm = find_format(native.format, texels)->unorm};
+  const texel_format *format = find_format(native.format, texels);
+  *about =
+      (gpu_imported){.width = native.width, .height = native.height, .numbers = format->numbers, .bits = format->bits};
   *out = image;
   return CSM_SUCCESS;
 }

@@ -36,7 +36,8 @@
 #define CSM_S_KERNEL 52  /* filter, its taps or points, radius in texels, 1 / sum of the weights */
 #define CSM_S_OPTIONS 53 /* bias mode, early out, 1 or -1 if maps are reversed, an empty map's depth times that */
 #define CSM_S_WEIGHTS 54 /* four: weights of taps along an axis, from the middle outwards */
-#define CSM_C_COUNT 58
+#define CSM_S_OWN 58     /* slope max of a receiver's own surface, the filter's reach in texels, least share that says it */
+#define CSM_C_COUNT 59
 
 /*
  * The mask pass's own block. A pixel's place is (x, y, depth, 1): x and y in pixels, the depth as in the camera's depth
@@ -48,7 +49,8 @@
 #define CSM_M_PLANES 4
 #define CSM_M_NORMALS 7 /* three rows: a texel of the engine's normals (x, y, z, 1) to light space */
 #define CSM_M_SIZE 10   /* width, height, 1 / width, 1 / height */
-#define CSM_M_CLEAR 11  /* depth of a pixel without a surface; CSM_SHOW_* */
+/* Depth of a pixel without a surface; CSM_SHOW_*; how much what normals come from may be off: a share of itself, and more */
+#define CSM_M_CLEAR 11
 #define CSM_M_DEPTH 12  /* view depth of a point of light space: dot(p, xyz) + w */
 #define CSM_M_COUNT 13
 
@@ -76,6 +78,7 @@ typedef struct csm_settings_block {
   float kernel[4];
   float options[4];
   float weights[16];
+  float own[4];
 } csm_settings_block;
 
 /* Both, one after the other. */
@@ -107,6 +110,7 @@ CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, band) == (CSM_S_BAND - CSM_S_B
 CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, kernel) == (CSM_S_KERNEL - CSM_S_BEGIN) * 16);
 CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, options) == (CSM_S_OPTIONS - CSM_S_BEGIN) * 16);
 CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, weights) == (CSM_S_WEIGHTS - CSM_S_BEGIN) * 16);
+CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, own) == (CSM_S_OWN - CSM_S_BEGIN) * 16);
 CSM_CONSTANTS_ASSERT(offsetof(csm_constants, settings) == CSM_S_BEGIN * 16);
 CSM_CONSTANTS_ASSERT(sizeof(csm_constants) == CSM_C_COUNT * 16);
 #undef CSM_CONSTANTS_ASSERT

@@ -23,6 +23,7 @@ static const struct {
     {"bias_constant_texels", 3, {0.5, 0, 3}},
     {"bias_slope_texels", 3, {1, 0, 2}},
     {"bias_slope_max", 3, {10, 0, 1}},
+    {"bias_plane_max", 3, {10000, 0, 20}},
     {"bias_normal_texels", 3, {0, 1.5, 4}},
     {"bias_constant_range", 3, {0, 0.001, -0.001}},
     {"bias_constant_m", 2, {0, 0.05}},

@@ -208,7 +208,7 @@ float sampler_bias(int cascade, const float normal[3]) {
   const float origin[3] = {0, 0, 0};
   const csm_receiver receiver = receiver_at(origin, normal, 0);
   const csm_found found = found_at(cascade, receiver);
-  return csm_bias(found, csm_texel(found, csm_rect(found).z * 0.5f), csm_tilt_of(receiver.normal));
+  return csm_bias(found, csm_texel(found, csm_rect(found).z * 0.5f), csm_tilt_of(receiver.normal, CSM_BIAS_ROW.z));
 }
 
 void sampler_plane(float out[2], int cascade, const float normal[3]) {
@@ -216,7 +216,7 @@ void sampler_plane(float out[2], int cascade, const float normal[3]) {
   const csm_receiver receiver = receiver_at(origin, normal, 0);
   const csm_found found = found_at(cascade, receiver);
   const csm_float2 texel = csm_texel(found, csm_rect(found).z * 0.5f);
-  const csm_tilt tilt = csm_tilt_of(receiver.normal);
+  const csm_tilt tilt = csm_tilt_of(receiver.normal, CSM_BIAS_ROW.z);
   out[0] = tilt.slope.x * texel.x;
   out[1] = tilt.slope.y * texel.y;
 }

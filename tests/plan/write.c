@@ -72,6 +72,9 @@ static void check_settings(const float *c, const plan_frame *frame, const csm_co
   assert_true(bias[0] == (float)config->bias_constant_texels);
   assert_true(bias[1] == (float)(config->bias_slope_texels * reach));
   assert_true(bias[2] == (float)config->bias_slope_max && bias[3] == (float)config->bias_normal_texels);
+  const float *own = &c[CSM_S_OWN * 4];
+  assert_true(own[0] == (float)fmax(config->bias_plane_max, config->bias_slope_max));
+  assert_true(own[1] == (config->filter == CSM_FILTER_PCF_3X3 ? 2.0f : 1.0f));
   assert_true(modes[0] == (float)config->selection && modes[1] == (float)config->out_of_range);
   assert_true(modes[2] == (float)config->blend_mode && modes[3] == (float)config->normal_offset_mode);
   assert_true(options[0] == (float)config->bias_mode && options[1] == (float)config->filter_early_out);

@@ -139,6 +139,10 @@ typedef struct csm_config {
   uint32_t caster_set;   /* CSM_CASTER_SET_*: what is drawn into a map */
   uint32_t face_culling; /* CSM_FACE_CULLING_*: faces of casters that are left out; two-sided meshes keep
                             theirs */
+
+  /* Bias, of receiver_plane. */
+  double bias_plane_max; /* slope (tangent) up to which a receiver's plane is told from what shadows it; as
+                            bias_slope_max where that is more */
 } csm_config;
 
 enum { CSM_FIELD_UINT = 0, CSM_FIELD_DOUBLE = 1, CSM_FIELD_ENUM = 2, CSM_FIELD_DOUBLES = 3, CSM_FIELD_UINTS = 4 };

@@ -70,6 +70,7 @@ static csm_result import(device *device, technique_picture *picture) {
   engine_imported imported;
   const csm_result result = engine_image_import(device, &from, &imported);
   picture->depth = imported.image;
+  picture->depth_rounding = imported.rounding;
   return result;
 }
 
@@ -85,6 +86,7 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
                                  picture->height);
   if (!result)
     picture->depth = drawn_image_next(&state->depth)->image;
+  picture->depth_rounding = (plan_grain){.share = 0x1p-24};
   return result;
 }
 

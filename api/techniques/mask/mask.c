@@ -22,7 +22,8 @@ typedef struct mask_state {
   ring_range ring;
   gpu_program *program;
   input *input;
-  bool unorm_normals;
+  bool normals, unorm_normals;
+  plan_grain rounding; /* of what normals come from */
 } mask_state;
 
 static bool wanted(const csm_config *config) {
@@ -63,7 +64,9 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
     result = mask_program(device, run->config, normals.image, shows, &state->program);
   if (result)
     return result;
+  state->normals = normals.image != NULL;
   state->unorm_normals = normals.unorm;
+  state->rounding = state->normals ? normals.rounding : picture->depth_rounding;
   const gpu_bindings_info reads = {
       .name = "mask",
       .program = state->program,
@@ -83,7 +86,9 @@ static void write(void *self, const technique_run *run) {
                                             .width = picture->width,
                                             .height = picture->height,
                                             .show = picture->show,
-                                            .unorm_normals = state->unorm_normals});
+                                            .normals = state->normals,
+                                            .unorm_normals = state->unorm_normals,
+                                            .rounding = state->rounding});
 }
 
 static void adopt(void *self, device *from) {
