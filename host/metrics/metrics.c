@@ -63,7 +63,7 @@ static int tell_empty(const metrics_frame *frame) {
     return host_fail(HOST_BAD_INPUT, "nothing to measure: no surface lies within the shadow distance, %g m",
                      frame->shadow_distance);
   return host_fail(HOST_BAD_INPUT, "nothing to measure: every surface that the camera sees is turned away from the "
-                                   "light");
+                                   "light, or grazed by it");
 }
 
 /* ---- edges ---- */
