@@ -28,10 +28,10 @@ mask_inputs main(uint vertex : SV_VertexID)
     o.normal_0 = mask_c[NORMAL_ROWS];
     o.normal_1 = mask_c[NORMAL_ROWS + 1];
     o.normal_2 = mask_c[NORMAL_ROWS + 2];
-    o.scale_0 = float4(csm_c[CSM_C_SCALES].xyz, csm_c[CSM_S_BIAS].x);
-    o.scale_1 = float4(csm_c[CSM_C_SCALES + 1].xyz, csm_c[CSM_S_BIAS].y);
-    o.scale_2 = float4(csm_c[CSM_C_SCALES + 2].xyz, csm_c[CSM_S_BIAS].z);
-    o.scale_3 = float4(csm_c[CSM_C_SCALES + 3].xyz, csm_c[CSM_S_UNITS].x);
+    o.scale_0 = float4(csm_c[CSM_C_SCALES].xyz, mask_c[CSM_M_BIAS].x);
+    o.scale_1 = float4(csm_c[CSM_C_SCALES + 1].xyz, mask_c[CSM_M_BIAS].y);
+    o.scale_2 = float4(csm_c[CSM_C_SCALES + 2].xyz, mask_c[CSM_M_BIAS].z);
+    o.scale_3 = float4(csm_c[CSM_C_SCALES + 3].xyz, mask_c[CSM_M_BIAS].w);
     o.offset_0 = float4(csm_c[CSM_C_OFFSETS].xyz, mask_c[CSM_M_DEPTH].x);
     o.offset_1 = float4(csm_c[CSM_C_OFFSETS + 1].xyz, mask_c[CSM_M_DEPTH].y);
     o.offset_2 = float4(csm_c[CSM_C_OFFSETS + 2].xyz, mask_c[CSM_M_DEPTH].z);

@@ -149,8 +149,8 @@ static const config_entry entries[] = {
     /* selection */
     ENTRY(selection, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = CSM_SELECT_BEST,
           .default_value = CSM_SELECT_MAP, .unit = "", .values = selections,
-          .about = "Which cascade a point takes: that of its view depth, the first whose map holds it with its filter, "
-                   "or of those the one with the finest texels."),
+          .about = "Which cascade a point takes: that of its view depth, or, with map and best alike, of those whose "
+                   "maps hold it with its filter the one with the finest texels."),
     ENTRY(blend_mode, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = CSM_BLEND_DITHERED,
           .default_value = CSM_BLEND_OFF, .unit = "", .values = blends,
           .about = "How a cascade goes over into the next one along blend_share: at once, by a linear mix, or by a "

@@ -327,7 +327,8 @@ typedef struct plan_picture {
 
 /* The block of the mask pass: how the picture's pixels map to light space, relative to frame->origin. Returns its
    bytes. */
-uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_picture *picture);
+uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_picture *picture,
+                                   const csm_config *config);
 
 /* Whether all maps are layers of one image and of one size. */
 bool plan_maps_alike(const csm_config *config);

@@ -102,6 +102,27 @@ static void put_settings(float *out, const plan_frame *frame, const csm_config *
       config->map_reversed ? 0.0 : 1.0);
 }
 
+/*
+ * A picture of one column or row tells no plane of what it shows, if its normals come from the depth: its receivers are
+ * taken to face the light, with the bias of one depth for the whole filter at the steepest slope that bias grows with.
+ */
+static bool knows_no_plane(const plan_picture *picture) {
+  return !picture->normals && (picture->width == 1 || picture->height == 1);
+}
+
+/* CSM_M_BIAS: x, y and z of CSM_S_BIAS, and x of CSM_S_UNITS. */
+static void put_picture_bias(float *out, const plan_picture *picture, const csm_config *config) {
+  float settings[CSM_C_COUNT * 4];
+  put_bias(settings, config);
+  const float *bias = &settings[CSM_S_BIAS * 4], *units = &settings[CSM_S_UNITS * 4];
+  double texels = bias[0], range = units[0];
+  if (knows_no_plane(picture)) {
+    texels += config->bias_slope_max * config->bias_slope_texels * plan_filter_reach_texels(config);
+    range += fmin(config->bias_slope_max * config->bias_slope_range, units[3]);
+  }
+  put(out, CSM_M_BIAS, texels, bias[1], bias[2], range);
+}
+
 /* The way the camera looks, as its view has it, and the view depth of the frame's origin. */
 static double look(double forward[3], const plan_frame *frame) {
   const double *view = frame->camera.view, side = plan_view_side(&frame->camera);
@@ -179,7 +200,10 @@ static void put_pixels(float *out, const plan_frame *frame, const plan_picture *
       plane[k] = viewer * plan_dot(a, (const double[3]){to_pixels[k], to_pixels[4 + k], to_pixels[8 + k]});
     }
     put(out, CSM_M_LIGHT + axis, light[0], light[1], light[2], light[3]);
-    put(out, CSM_M_PLANES + axis, plane[0], plane[1], plane[2], plane[3]);
+    if (knows_no_plane(picture))
+      put(out, CSM_M_PLANES + axis, 0.0, 0.0, axis == 2 ? 1.0 : 0.0, 0.0);
+    else
+      put(out, CSM_M_PLANES + axis, plane[0], plane[1], plane[2], plane[3]);
     put(out, CSM_M_NORMALS + axis, decode * a[0], decode * a[1], decode * a[2], middle * (a[0] + a[1] + a[2]));
   }
   put(out, CSM_M_LIGHT + 3, to_relative[3], to_relative[7], to_relative[11], to_relative[15]);
@@ -187,22 +211,25 @@ static void put_pixels(float *out, const plan_frame *frame, const plan_picture *
 
 /*
  * What CSM_M_CLEAR says of rounding. A normal's components are each off by it, and their sum along the light by all of
- * them. A depth's step is the difference of two depths.
+ * them. A depth's step is the difference of two depths, each of which the format rounds, and interpolation, a chain of
+ * three sums and products, by up to three times a float's half last place.
  */
 static plan_grain normal_rounding(const plan_frame *frame, const plan_picture *picture) {
   const double *along = &frame->basis[6];
   const plan_grain r = picture->rounding;
   const double decode = picture->unorm_normals ? 2.0 : 1.0, sum = fabs(along[0]) + fabs(along[1]) + fabs(along[2]);
-  return picture->normals ? (plan_grain){r.share, decode * sum * r.step} : (plan_grain){2.0 * r.share, 2.0 * r.step};
+  return picture->normals ? (plan_grain){r.share, decode * sum * r.step} : (plan_grain){2.0 * r.share + 6.0 * 0x1p-24, 2.0 * r.step};
 }
 
-uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_picture *picture) {
+uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_picture *picture,
+                                   const csm_config *config) {
   const double width = picture->width, height = picture->height;
   const plan_grain rounding = normal_rounding(frame, picture);
   double forward[3];
   const double depth = look(forward, frame);
   put_pixels(out, frame, picture);
   put(out, CSM_M_SIZE, width, height, 1.0 / width, 1.0 / height);
+  put_picture_bias(out, picture, config);
   put(out, CSM_M_CLEAR, plan_clear_depth(picture->camera), picture->show, rounding.share, rounding.step);
   put(out, CSM_M_DEPTH, plan_dot(forward, &frame->basis[0]), plan_dot(forward, &frame->basis[3]),
       plan_dot(forward, &frame->basis[6]), depth);

@@ -19,7 +19,7 @@ static int open_with(bare_mask **out, const stage_frame *frame, const host_setup
   memcpy(blocks, binding->cascade_constants, binding->cascade_constants_size);
   memcpy(blocks + 4 * CSM_S_BEGIN, binding->setting_constants, binding->setting_constants_size);
   const plan_picture picture = {.camera = &plan->frame.camera, .width = setup->width, .height = setup->height};
-  plan_write_mask_constants(camera, &plan->frame, &picture);
+  plan_write_mask_constants(camera, &plan->frame, &picture, &setup->config);
   const bare_mask_info info = {.width = setup->width,
                                .height = setup->height,
                                .resolution = binding->resolutions[0],

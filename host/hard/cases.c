@@ -10,6 +10,8 @@ const hard_case *const hard_cases[] = {
     &hard_turned,
     &hard_formats,
     &hard_borders,
+    &hard_low_sun,
+    &hard_thin_masks,
     &hard_moving_camera,
     &hard_moving_sun,
     &hard_depth_range,

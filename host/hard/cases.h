@@ -10,6 +10,8 @@ extern const hard_case hard_far_vertices;
 extern const hard_case hard_turned;
 extern const hard_case hard_formats;
 extern const hard_case hard_borders;
+extern const hard_case hard_low_sun;
+extern const hard_case hard_thin_masks;
 extern const hard_case hard_moving_camera;
 extern const hard_case hard_moving_sun;
 extern const hard_case hard_depth_range;

@@ -52,7 +52,8 @@
 /* Depth of a pixel without a surface; CSM_SHOW_*; how much what normals come from may be off: a share of itself, and more */
 #define CSM_M_CLEAR 11
 #define CSM_M_DEPTH 12  /* view depth of a point of light space: dot(p, xyz) + w */
-#define CSM_M_COUNT 13
+#define CSM_M_BIAS 13   /* CSM_S_BIAS' constant, slope and slope max, and CSM_S_UNITS' constant, as this picture needs them */
+#define CSM_M_COUNT 14
 
 /* What C and C++ see: the same blocks as structs, for an engine's own buffers and debugging. */
 #if defined(__cplusplus) || defined(__STDC_VERSION__)

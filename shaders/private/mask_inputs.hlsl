@@ -10,7 +10,7 @@ struct mask_inputs
     nointerpolation float4 normal_0 : NORMAL0; // CSM_M_PLANES or CSM_M_NORMALS
     nointerpolation float4 normal_1 : NORMAL1;
     nointerpolation float4 normal_2 : NORMAL2;
-    nointerpolation float4 scale_0 : SCALE0; // CSM_C_SCALES; w: of CSM_S_BIAS x, y, z, and x of CSM_S_UNITS
+    nointerpolation float4 scale_0 : SCALE0; // CSM_C_SCALES; w: CSM_M_BIAS
     nointerpolation float4 scale_1 : SCALE1;
     nointerpolation float4 scale_2 : SCALE2;
     nointerpolation float4 scale_3 : SCALE3;

@@ -245,7 +245,7 @@ static bool make_plan(bench *b, const csm_config *config) {
   write_plane((float *)(upload + AT_PLANE), view, projection);
   plan_write_constants((float *)(upload + AT_BLOCKS), &b->frame, config);
   plan_write_mask_constants((float *)(upload + AT_BLOCKS + MASK_CASCADES_BLOCK), &b->frame,
-                            &(plan_picture){.camera = &b->frame.camera, .width = WIDTH, .height = HEIGHT});
+                            &(plan_picture){.camera = &b->frame.camera, .width = WIDTH, .height = HEIGHT}, config);
   plan_write_view_matrices((float *)(upload + AT_VIEW), &b->view, &b->frame.camera, &b->scene);
   for (uint32_t i = 0; i < CASCADES; ++i)
     plan_write_cascade_matrices((float *)(upload + AT_MATRICES + i * MATRICES_BYTES), &b->frame, i, &b->scene);

@@ -193,7 +193,8 @@ def check_case(case):
                 check_layout(text)
             found = {read: len(re.findall(read, text)) for read in READS}
             assert {read for read in READS if found[read]} == reads, f"reads by {found}"
-            assert not one or sum(found.values()) == 1, f"not a single texel: {found}"
+            # And again where the receiver is steep: functions are inlined in one language, and not in the other
+            assert not one or sum(found.values()) in (1, 2), f"not a single texel: {found}"
             return 0
         except (RuntimeError, AssertionError) as error:
             print(f"{name}: {error}")

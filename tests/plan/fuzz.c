@@ -74,7 +74,7 @@ static void check_frame(const plan_frame *frame, const csm_config *config, const
   }
   assert_finite(floats, plan_write_constants(floats, frame, config) / (uint32_t)sizeof(float));
   const plan_picture picture = {.camera = &frame->camera, .width = 1, .height = 16384, .unorm_normals = true};
-  assert_finite(floats, plan_write_mask_constants(floats, frame, &picture) / (uint32_t)sizeof(float));
+  assert_finite(floats, plan_write_mask_constants(floats, frame, &picture, config) / (uint32_t)sizeof(float));
   plan_hash(frame, config, &scene->scene);
   plan_list list;
   plan_view_make(&list, &frame->camera, &scene->scene, scene->memory);

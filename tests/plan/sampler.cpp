@@ -237,6 +237,7 @@ float sampler_filter(float x, float y, float depth) {
   csm_spot spot;
   spot.place = csm_float2(x, y);
   spot.depth = depth;
+  spot.last = 1;
   spot.rect = shader::bound.constants[CSM_C_RECTS];
   spot.pattern = csm_float2(1, 0);
   return csm_filter(spot);

@@ -66,6 +66,31 @@ static void cascade_matrices_agree_with_world_to_shadow(void **state) {
   scene_free(&scene);
 }
 
+/* A picture of one row takes its receivers to face the light, and one depth for the whole filter. */
+static void one_row_knows_no_plane(void **state) {
+  (void)state;
+  const csm_config config = default_config();
+  random_state random = {1};
+  const test_camera planned = random_camera(&random, 10.0);
+  const plan_frame frame = plan_empty(&config, &planned, (double[]){0.3, -1.0, 0.2});
+  const uint32_t sizes[][2] = {{1, 1}, {16384, 1}, {1, 9}, {2, 2}};
+  for (int i = 0; i < 4; ++i)
+    for (int normals = 0; normals < 2; ++normals) {
+      float m[CSM_M_COUNT * 4];
+      plan_write_mask_constants(
+          m, &frame,
+          &(plan_picture){
+              .camera = &frame.camera, .width = sizes[i][0], .height = sizes[i][1], .normals = normals == 1},
+          &config);
+      const bool thin = i < 3 && !normals;
+      /* 0.5, and 10 of a slope that grows over the 2 texels of 3 x 3 */
+      assert_true(m[CSM_M_BIAS * 4] == (thin ? 20.5f : 0.5f));
+      const float *rows = &m[CSM_M_PLANES * 4];
+      const bool flat = rows[0] == 0 && rows[1] == 0 && rows[4] == 0 && rows[5] == 0 && rows[10] == 1 && rows[11] == 0;
+      assert_true(flat == thin);
+    }
+}
+
 static void check_settings(const float *c, const plan_frame *frame, const csm_config *config) {
   const double reach = config->bias_mode ? 0.5 : config->filter == CSM_FILTER_PCF_3X3 ? 2.0 : 1.0;
   const float *bias = &c[CSM_S_BIAS * 4], *modes = &c[CSM_S_MODES * 4], *options = &c[CSM_S_OPTIONS * 4];
@@ -175,7 +200,7 @@ static void make_mask_case(mask_case *c, random_state *random, double world, boo
   assert_int_equal(plan_camera_make(&c->made, view, c->projection, camera_reversed(&c->camera), &error), CSM_SUCCESS);
   const plan_picture picture = {
       .camera = &c->made, .width = pixels_wide, .height = pixels_high, .show = CSM_SHOW_DENSITY, .unorm_normals = true};
-  assert_int_equal(plan_write_mask_constants(c->m, &c->frame, &picture), sizeof c->m);
+  assert_int_equal(plan_write_mask_constants(c->m, &c->frame, &picture, &config), sizeof c->m);
 }
 
 /* What a point of the world, at a place of the image and a view depth, is to the mask: x, y, depth. */
@@ -379,6 +404,7 @@ int main(void) {
       cmocka_unit_test(planes_on_screen_lead_back_to_normals),
       cmocka_unit_test(view_matrices_agree_with_the_camera),
       cmocka_unit_test(hash_tells_plans_apart),
+      cmocka_unit_test(one_row_knows_no_plane),
   };
   return cmocka_run_group_tests_name("plan-write", tests, NULL, NULL);
 }

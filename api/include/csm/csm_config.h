@@ -140,7 +140,7 @@ typedef struct csm_config {
   uint32_t face_culling; /* CSM_FACE_CULLING_*: faces of casters that are left out; two-sided meshes keep
                             theirs */
 
-  /* Bias, of receiver_plane. */
+  /* Bias of receiver_plane, under a low sun. */
   double bias_plane_max; /* slope (tangent) up to which a receiver's plane is told from what shadows it; as
                             bias_slope_max where that is more */
 } csm_config;

@@ -88,7 +88,8 @@ static void write(void *self, const technique_run *run) {
                                             .show = picture->show,
                                             .normals = state->normals,
                                             .unorm_normals = state->unorm_normals,
-                                            .rounding = state->rounding});
+                                            .rounding = state->rounding},
+                            run->config);
 }
 
 static void adopt(void *self, device *from) {

@@ -14,7 +14,7 @@ typedef struct mask_key {
 
 /* Whether the programs do that leave out what few configurations ask for. */
 static bool is_plain(const csm_config *config) {
-  return config->cascade_count <= PLAIN_CASCADES && config->selection == CSM_SELECT_MAP &&
+  return config->cascade_count <= PLAIN_CASCADES && config->selection != CSM_SELECT_INTERVAL &&
          config->blend_mode == CSM_BLEND_OFF && config->bias_normal_texels == 0.0 && plan_bias_in_texels(config) &&
          !config->map_reversed && plan_maps_alike(config);
 }
