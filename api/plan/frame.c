@@ -32,6 +32,14 @@ static csm_result take_origin(plan_frame *frame, const double *origin, const cha
   return CSM_SUCCESS;
 }
 
+/* What a filter reaches past a picture's border, in metres, from a map as wide as the picture of an orthographic camera. */
+static double filter_room(const plan_fit_frame *frame) {
+  uint32_t least = UINT32_MAX;
+  for (uint32_t i = 0; i < frame->config->cascade_count; ++i)
+    least = plan_resolution(frame->config, i) < least ? plan_resolution(frame->config, i) : least;
+  return 2.0 * hypot(frame->image[0], frame->image[1]) / least * plan_padding_texels(frame->config);
+}
+
 /*
  * Where casters lie across the light, for maps that need be no wider: those of an orthographic camera, whose slices may
  * be far longer than all that casts. What lies in no map must be lit, and every caster known.
@@ -39,9 +47,10 @@ static csm_result take_origin(plan_frame *frame, const double *origin, const cha
 static bool find_casters(plan_span *casters, const plan_fit_frame *frame, const plan_frame_info *info) {
   if (!frame->camera->orthographic || info->others_cast || frame->config->out_of_range == CSM_OUT_OF_RANGE_DARK)
     return false;
-  plan_hull hull;
-  plan_view_hull(&hull, frame->camera, frame->basis, fmin(frame->config->shadow_distance, frame->camera->far_depth),
-                 0.0);
+  plan_hull hull = {0};
+  if (frame->config->caster_set == CSM_CASTER_SET_VIEW)
+    plan_view_hull(&hull, frame->camera, frame->basis, fmin(frame->config->shadow_distance, frame->camera->far_depth),
+                   filter_room(frame));
   const plan_light_cull to = {.basis = frame->basis, .hull = &hull, .layers = info->light_layers, .cache = info->cache};
   if (!plan_casters_span(casters, &to, info->scene))
     return false;

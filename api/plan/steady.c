@@ -73,6 +73,24 @@ static void move_anchor(plan_anchor *anchor, const plan_fit_frame *frame, const 
     anchor->at[k] += shift[k];
 }
 
+/*
+ * Whether a cut left the anchor so far away that doubles no longer place the map from there to a millionth of a texel,
+ * though they would from the world's origin.
+ */
+static bool left_behind(const plan_fit *fit, const double middle[3]) {
+  double away = 0.0, here = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    away = fmax(away, fabs(fit->anchor[i]));
+    here = fmax(here, fabs(middle[i]));
+  }
+  return away > 0x1p32 * fmin(fit->texel[0], fit->texel[1]) && away > 4.0 * here;
+}
+
+static void count_from(plan_fit *fit, const plan_anchor *anchor, const double basis[9]) {
+  for (int i = 0; i < 3; ++i)
+    fit->anchor[i] = plan_dot(&basis[i * 3], anchor->at);
+}
+
 void plan_steady_anchor(plan_fit *fit, const plan_fit_frame *frame, uint32_t cascade, const double middle[3]) {
   const plan_history *before = frame->before;
   plan_anchor anchor = {0};
@@ -80,11 +98,14 @@ void plan_steady_anchor(plan_fit *fit, const plan_fit_frame *frame, uint32_t cas
     anchor = before->anchors[cascade];
   if (anchor.texel[0] > 0.0 && memcmp(before->basis, frame->basis, sizeof before->basis) != 0)
     move_anchor(&anchor, frame, middle);
+  count_from(fit, &anchor, frame->basis);
+  if (left_behind(fit, middle)) {
+    anchor = (plan_anchor){0};
+    count_from(fit, &anchor, frame->basis);
+  }
   for (int i = 0; i < 2; ++i) {
     anchor.texel[i] = fit->texel[i];
     fit->place[i] = anchor.place[i];
   }
-  for (int i = 0; i < 3; ++i)
-    fit->anchor[i] = plan_dot(&frame->basis[i * 3], anchor.at);
   frame->after->anchors[cascade] = anchor;
 }

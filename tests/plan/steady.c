@@ -264,6 +264,23 @@ static void a_resting_light_leaves_every_point_in_its_place(void **state) {
   }
 }
 
+/* A light that turns far away leaves the grids' points there; after a cut back they start from the world's origin. */
+static void a_cut_from_far_away_counts_from_the_origin(void **state) {
+  (void)state;
+  const csm_config config = default_config();
+  const test_camera camera = plain_camera();
+  const plan_frame first = plan_empty(&config, &camera, plain_light);
+  test_camera away = camera;
+  away.eye[0] += 1e11;
+  plan_history history = {0};
+  (void)plan_next(&history, &config, &away, (double[]){0.31, -1.0, 0.2});
+  (void)plan_next(&history, &config, &away, plain_light);
+  const plan_frame back = plan_next(&history, &config, &camera, plain_light);
+  for (uint32_t c = 0; c < first.cascade_count; ++c)
+    for (int i = 0; i < 16; ++i)
+      assert_true(back.cascades[c].info.world_to_shadow[i] == first.cascades[c].info.world_to_shadow[i]);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(an_octave_of_zoom_takes_four_steps),
@@ -273,6 +290,7 @@ int main(void) {
       cmocka_unit_test(a_first_frame_and_a_cut_are_exact),
       cmocka_unit_test(grids_stay_in_the_middle_of_their_maps),
       cmocka_unit_test(a_resting_light_leaves_every_point_in_its_place),
+      cmocka_unit_test(a_cut_from_far_away_counts_from_the_origin),
   };
   return cmocka_run_group_tests_name("plan-steady", tests, NULL, NULL);
 }

@@ -20,7 +20,7 @@
  * Contexts are independent of each other.
  *
  * Floating-point exceptions may trap (feenableexcept): csm's own arithmetic raises none of invalid, division by zero and
- * overflow, and drivers, their threads and draw callbacks run with traps off.
+ * overflow, and what drivers open, create, record and wait for, and draw callbacks, run with traps off.
  */
 #ifndef CSM_H
 #define CSM_H

@@ -87,8 +87,8 @@ typedef struct csm_config {
 
   /* Depth: from where to where a map reaches along the light. */
   uint32_t depth_mode;    /* CSM_DEPTH_* */
-  double caster_distance; /* how far before a slice, towards the light, a caster's depth is kept, in metres; at most
-                             as far as map_format resolves */
+  double caster_distance; /* how far before a slice, towards the light, a caster's depth is kept, in metres; with
+                             pancaking clamp at most as far as map_format resolves */
   uint32_t pancaking;     /* CSM_PANCAKING_*: what becomes of casters before a map's near plane */
 
   /* Stability: what keeps a map from swimming. */
@@ -136,7 +136,8 @@ typedef struct csm_config {
   uint32_t map_reversed;                  /* 1: depth 1 is nearest to the light */
 
   /* Casters. */
-  uint32_t caster_set;   /* CSM_CASTER_SET_*: what is drawn into a map */
+  uint32_t caster_set;   /* CSM_CASTER_SET_*: what is drawn into a map; with VIEW, masks and samples are right for what
+                            the cascades' own frame sees alone: its camera, its instances */
   uint32_t face_culling; /* CSM_FACE_CULLING_*: faces of casters that are left out; two-sided meshes keep
                             theirs */
 
