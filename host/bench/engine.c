@@ -56,14 +56,7 @@ static VkResult open_commands(engine *e) {
 }
 
 static csm_result open_context(engine *e, char *error, size_t error_size) {
-  const csm_vulkan_device lent = {.struct_size = sizeof lent,
-                                  .api_version = VK_API_VERSION_1_1,
-                                  .instance = e->vulkan.instance,
-                                  .physical_device = e->vulkan.physical,
-                                  .device = e->vulkan.device,
-                                  .queue_family = e->vulkan.family,
-                                  .get_instance_proc_addr = vkGetInstanceProcAddr,
-                                  .features = &e->vulkan.features};
+  const csm_vulkan_device lent = vulkan_device_lend(&e->vulkan);
   const csm_create_info info = {.struct_size = sizeof info,
                                 .version = CSM_VERSION,
                                 .frame_slots = frame_slots,

@@ -42,14 +42,7 @@ bool hard_engine_there(const host_options *options) {
 /* ---- opening ---- */
 
 static int open_context(hard_engine *e) {
-  const csm_vulkan_device lent = {.struct_size = sizeof lent,
-                                  .api_version = VK_API_VERSION_1_1,
-                                  .instance = e->vulkan.instance,
-                                  .physical_device = e->vulkan.physical,
-                                  .device = e->vulkan.device,
-                                  .queue_family = e->vulkan.family,
-                                  .get_instance_proc_addr = vkGetInstanceProcAddr,
-                                  .features = &e->vulkan.features};
+  const csm_vulkan_device lent = vulkan_device_lend(&e->vulkan);
   char error[512] = "";
   const csm_create_info info = {.struct_size = sizeof info,
                                 .version = CSM_VERSION,

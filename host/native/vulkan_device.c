@@ -78,3 +78,14 @@ void vulkan_device_close(vulkan_device *device) {
   if (device->instance)
     vkDestroyInstance(device->instance, NULL);
 }
+
+csm_vulkan_device vulkan_device_lend(const vulkan_device *device) {
+  return (csm_vulkan_device){.struct_size = sizeof(csm_vulkan_device),
+                             .api_version = VK_API_VERSION_1_1,
+                             .instance = device->instance,
+                             .physical_device = device->physical,
+                             .device = device->device,
+                             .queue_family = device->family,
+                             .get_instance_proc_addr = vkGetInstanceProcAddr,
+                             .features = &device->features};
+}

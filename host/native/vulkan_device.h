@@ -2,6 +2,7 @@
 #ifndef HOST_VULKAN_DEVICE_H
 #define HOST_VULKAN_DEVICE_H
 
+#include "csm/csm_vulkan.h"
 #include <vulkan/vulkan.h>
 
 typedef struct vulkan_device {
@@ -19,5 +20,8 @@ typedef struct vulkan_device {
  */
 VkResult vulkan_device_open(vulkan_device *out, const char *name);
 void vulkan_device_close(vulkan_device *device);
+
+/* The device as csm_create takes an engine's. It refers to `device`, which must stay as long as it is used. */
+csm_vulkan_device vulkan_device_lend(const vulkan_device *device);
 
 #endif
