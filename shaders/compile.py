@@ -127,17 +127,28 @@ def run(*command):
         sys.exit(f"{done.stdout}\nfailed: {' '.join(str(part) for part in command)}")
 
 
-def make_spirv(glslang, spirv_val, program, folder):
+def make_spirv(glslang, spirv_val, program, folder, kept):
+    """`kept`: a folder of what this compiler made before; or None."""
+    about = f"{program.essence()} {program.stage} {SPIRV_OPTIONS} {os.stat(glslang).st_mtime_ns}"
+    before = kept and kept / f"{digest(about.encode())}.spv"
+    if before and before.is_file():
+        return before.read_bytes()
     source, output = folder / f"{program.name}.hlsl", folder / f"{program.name}.spv"
     source.write_text(program.text(marked=True))
     run(glslang, *SPIRV_OPTIONS, "-S", STAGES[program.stage][0], "-o", output, source)
     run(spirv_val, "--target-env", "vulkan1.1", output)
+    if before:
+        before.with_suffix(".part").write_bytes(output.read_bytes())
+        before.with_suffix(".part").rename(before)
     return output.read_bytes()
 
 
-def make_all_spirv(glslang, spirv_val, programs):
+def make_all_spirv(glslang, spirv_val, programs, kept=None):
+    if kept:
+        kept.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(lambda program: make_spirv(glslang, spirv_val, program, pathlib.Path(folder)), programs))
+        make = lambda program: make_spirv(glslang, spirv_val, program, pathlib.Path(folder), kept)
+        return list(pool.map(make, programs))
 
 
 def words(name, code):
@@ -210,7 +221,7 @@ def embed(out_c, out_h, glslang, spirv_val, *paths):
     header = ["/* Made by shaders/compile.py. */", f"#ifndef {guard}", f"#define {guard}", "", '#include "gpu.h"', ""]
     source = ["/* Made by shaders/compile.py. */", f'#include "{header_name}"', "", "#include <stddef.h>", ""]
     blobs = {root: read_dxbc(root) for root in {path.parent for path in paths}}
-    for program, spirv in zip(programs, make_all_spirv(glslang, spirv_val, programs)):
+    for program, spirv in zip(programs, make_all_spirv(glslang, spirv_val, programs, pathlib.Path(out_c).parent / "spirv")):
         dxbc = blobs[program.path.parent].get(program.name)
         if not dxbc:
             sys.exit(f"{program.name} has no DXBC: run ./dev shaders")
