@@ -94,11 +94,11 @@ static void put_bias(float *out, const csm_config *config) {
 static void put_moments(float *out, const csm_config *config) {
   const bool squared = config->filter != CSM_FILTER_ESM;
   const double most = plan_moment_exponent_most(config, squared), deviation = 2.0 * config->moment_deviation_range;
-  plan_moments moments = {.levels = 1, .side = 1};
+  plan_moments moments = {.levels = 1, .side = 1, .depth_layers = 1};
   if (plan_has_moments(config))
     plan_moments_make(&moments, config);
   put(out, CSM_S_MOMENTS, fmin(config->moment_exponent, most), fmin(config->moment_exponent_negative, most),
-      config->moment_bias, config->moment_layers);
+      config->moment_bias, moments.depth_layers);
   put(out, CSM_S_VARIANCE, deviation * deviation, config->moment_deviation_m, config->moment_deviation_slope,
       1.0 / (moments.side << config->moment_halved));
   put(out, CSM_S_BLEEDING, config->bleeding_reduction, 1.0 / (1.0 - config->bleeding_reduction), config->bleeding_power,
