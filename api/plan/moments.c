@@ -30,8 +30,9 @@ static uint32_t levels_of(uint32_t side) {
 }
 
 void plan_moments_make(plan_moments *out, const csm_config *config) {
-  *out = (plan_moments){
-      .channels = channels_of(config), .depth_layers = config->moment_layers, .levels = config->moment_levels};
+  *out = (plan_moments){.channels = channels_of(config),
+                        .depth_layers = config->filter == CSM_FILTER_VSM ? config->moment_layers : 1,
+                        .levels = config->moment_levels};
   for (uint32_t i = 0; i < config->cascade_count; ++i) {
     out->sides[i] = plan_resolution(config, i) >> config->moment_halved;
     out->side = out->sides[i] > out->side ? out->sides[i] : out->side;

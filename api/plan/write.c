@@ -99,13 +99,13 @@ static void put_moments(float *out, const csm_config *config) {
   const double deviation = 2.0 * config->moment_deviation_range;
   const bool samples = config->moment_sampling != CSM_SAMPLING_BILINEAR || config->filter == CSM_FILTER_VSSM;
   const bool packed = config->filter == CSM_FILTER_MSM4 && config->moment_format == CSM_MOMENTS_FLOAT16;
-  plan_moments moments = {.levels = 1, .side = 1};
+  plan_moments moments = {.levels = 1, .side = 1, .depth_layers = 1};
   if (plan_has_moments(config))
     plan_moments_make(&moments, config);
   plan_moment_errors errors;
   plan_moment_errors_make(&errors, config);
   put(out, CSM_S_MOMENTS, config->filter == CSM_FILTER_MSM4 ? packed : errors.exponent, errors.negative,
-      fmax(config->moment_bias, errors.bias), config->moment_layers);
+      fmax(config->moment_bias, errors.bias), moments.depth_layers);
   put(out, CSM_S_VARIANCE, deviation * deviation + errors.mean * errors.mean, config->moment_deviation_m,
       config->moment_deviation_slope, 1.0 / (moments.side << config->moment_halved));
   put(out, CSM_S_BLEEDING, config->bleeding_reduction, 1.0 / (1.0 - config->bleeding_reduction), config->bleeding_power,
