@@ -286,6 +286,96 @@ static void float16_differs_by_no_more_than_told(void **state) {
   }
 }
 
+/* ---- levels ---- */
+
+/* A place at least so far from the border, and a pixel's two sides there. */
+static sampler_spot random_spot(random_state *random, double border) {
+  sampler_spot spot = {.metre = 0.01f};
+  double room = moment_side;
+  for (int k = 0; k < 2; ++k) {
+    const double place = random_between(random, border, moment_side - border);
+    spot.place[k] = (float)(place - 0.5);
+    room = fmin(room, fmin(place, moment_side - place) - border);
+  }
+  const double angle = random_between(random, 0.0, 2.0 * M_PI), turn = random_between(random, 0.05, 3.0);
+  const double across = random_scale(random, 0.1, 100.0), down = random_scale(random, 0.1, 100.0);
+  spot.across[0] = (float)(across * cos(angle));
+  spot.across[1] = (float)(across * sin(angle));
+  spot.down[0] = (float)(down * cos(angle + turn));
+  spot.down[1] = (float)(down * sin(angle + turn));
+  spot.room = (float)room;
+  return spot;
+}
+
+/* At any level, as near to the border as samples may lie; what the blur has read beyond it counts as beyond it. */
+static void no_footprint_leaves_the_map(void **state) {
+  (void)state;
+  random_state random = {1};
+  static float depths[moment_side * moment_side];
+  for (uint32_t radius = 0; radius <= 3; radius += 3) {
+    csm_config config =
+        moment_config(&(moment_case){.filter = CSM_FILTER_VSM, .blur_texels = radius, .levels = 7, .layers = 1});
+    for (uint32_t most = 1; most <= 16; most *= 4) {
+      config.moment_anisotropy = most;
+      moment_map_plan(map, &config);
+      assert_int_equal(map->levels, 7);
+      for (int i = 0; i < moment_side * moment_side; ++i)
+        depths[i] = 0.5f;
+      moment_map_make(map, depths);
+      /* Texels that the blur has made of what lies beyond the border shadow everything */
+      for (int i = 0; i < moment_side * moment_side; ++i) {
+        const int x = i % moment_side, y = i / moment_side, r = (int)radius;
+        if (x < r || y < r || x >= moment_side - r || y >= moment_side - r)
+          depths[i] = 0.0f;
+      }
+      map->config.moment_blur_texels = 0;
+      moment_map_make(map, depths);
+      for (int i = 0; i < 20000; ++i) {
+        sampler_spot spot = random_spot(&random, radius + 1.0);
+        spot.depth = 0.5f - map->constants.settings.units[0];
+        const float lit = sampler_filter_spot(&spot);
+        if (!(lit >= 0.999f) || sampler_moments_read_outside())
+          fail_msg("%g at %g, %g: room %g, sides %g, %g and %g, %g", (double)lit, (double)spot.place[0],
+                   (double)spot.place[1], (double)spot.room, (double)spot.across[0], (double)spot.across[1],
+                   (double)spot.down[0], (double)spot.down[1]);
+      }
+    }
+  }
+}
+
+/* A plane under any footprint, in any direction. */
+static void planes_are_lit_at_every_level(void **state) {
+  (void)state;
+  random_state random = {2};
+  static float depths[moment_side * moment_side];
+  for (int i = 0; i < moment_case_count; ++i) {
+    const moment_case *c = moment_case_at(i);
+    csm_config config = moment_config(c);
+    config.moment_exponent_negative = 5.0;
+    moment_map_plan(map, &config);
+    for (int n = 0; n < 30; ++n) {
+      const double slope = random_scale(&random, 1e-6, 5e-3), angle = random_between(&random, 0.0, 2.0 * M_PI);
+      const double right = slope * cos(angle), down = slope * sin(angle), half = moment_side / 2.0;
+      for (int k = 0; k < moment_side * moment_side; ++k)
+        depths[k] = (float)(0.5 + right * (k % moment_side + 0.5 - half) + down * (k / moment_side + 0.5 - half));
+      moment_map_make(map, depths);
+      for (int k = 0; k < 100; ++k) {
+        sampler_spot spot = random_spot(&random, c->blur_texels + 1.0);
+        spot.slope = 1.0f;
+        spot.texel = (float)slope;
+        const double depth =
+            0.5 + right * ((double)spot.place[0] + 0.5 - half) + down * ((double)spot.place[1] + 0.5 - half);
+        spot.depth = (float)(depth - 0.5 * (fabs(right) + fabs(down)) - (double)map->constants.settings.units[0]);
+        const float lit = sampler_filter_spot(&spot);
+        if (!(lit >= 0.999f))
+          fail_msg("%s: %g, slope %g, room %g, sides %g, %g and %g, %g", moment_case_name(c), (double)lit, slope,
+                   (double)spot.room, (double)spot.across[0], (double)spot.across[1], (double)spot.down[0],
+                   (double)spot.down[1]);
+      }
+    }
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(exponents_are_what_a_format_holds),
@@ -296,6 +386,8 @@ int main(void) {
       cmocka_unit_test(bleeding_is_the_closed_forms),
       cmocka_unit_test(layers_keep_what_is_far_above_from_bleeding),
       cmocka_unit_test(float16_differs_by_no_more_than_told),
+      cmocka_unit_test(no_footprint_leaves_the_map),
+      cmocka_unit_test(planes_are_lit_at_every_level),
   };
   return cmocka_run_group_tests_name("plan-moments", tests, make_map, NULL);
 }
