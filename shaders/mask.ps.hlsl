@@ -8,7 +8,7 @@ float3 surface_normal(float2 place, float depth)
     float3 n = normals.Load(int3(int2(place), 0)).xyz;
     return float3(csm_row(inputs.normal_0, n), csm_row(inputs.normal_1, n), csm_row(inputs.normal_2, n));
 #else
-    return plane_normal(place, depth, depth_steps(place, depth));
+    return plane_normal(place, depth, depth_steps(place, depth, mask_c[CSM_M_SIZE]));
 #endif
 }
 

@@ -2,6 +2,7 @@
 #include "abi/frame_input.h"
 #include "abi/view.h"
 #include "techniques/depth_samples/depth_samples.h"
+#include "techniques/history/history.h"
 
 enum { largest_mask = 16384 };
 
@@ -70,9 +71,11 @@ static csm_result record(csm_view *view, csm_cascades *cascades, const resolve *
                                .scene = &r->scene,
                                .seen = &r->seen,
                                .engines_depth = r->info.camera_depth,
-                               .engines_normals = r->info.normals};
+                               .engines_normals = r->info.normals,
+                               .engines_motion = r->info.motion};
   technique_run run = {.device = context_device(view->context),
                        .config = &cascades->config,
+                       .settings = cascades->settings,
                        .plan = &planned->frame,
                        .constants = &planned->constants,
                        .constants_size = sizeof planned->constants,
@@ -107,5 +110,7 @@ csm_result CSM_CALL csm_resolve_mask(csm_view *view, csm_cascades *cascades, con
   view->renders = cascades->renders;
   if (cascades->config.depth_samples == CSM_DEPTH_SAMPLES_OFF)
     depth_samples_drop(&view->techniques, context_device(context));
+  if (cascades->config.history == CSM_HISTORY_OFF)
+    history_drop(&view->techniques, context_device(context));
   return CSM_SUCCESS;
 }

@@ -353,6 +353,8 @@ uint32_t plan_write_history_constants(float *out, const plan_frame *frame, const
 /* CSM_S_SOFT_MORE.w of a view's frame: by how much of a pattern its filter goes on, from 0 to 1. Frames lie apart as evenly
    as can be, however many of them there are in a row. */
 double plan_history_phase(uint32_t frame);
+/* Puts it into the block of plan_write_constants. */
+void plan_write_phase(float *out, double phase);
 
 /* Whether all maps are layers of one image and of one size. */
 bool plan_maps_alike(const csm_config *config);
