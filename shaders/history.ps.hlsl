@@ -1,6 +1,6 @@
 // The history of a mask: this frame's visibility, and the mean of the frames before it where they saw the same surface.
-// Out come visibility, how many frames it is the mean of, span and normal (private/history.h).
-#include "private/history.h"
+// Out come visibility, how many frames it is the mean of, span and normal (csm_constants.h).
+#include "csm_constants.h"
 #include "private/history_inputs.hlsl"
 
 Texture2D<float> mask : register(t0);

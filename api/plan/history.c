@@ -7,7 +7,7 @@
  */
 #include "plan/internal.h"
 
-#include "private/history.h"
+#include "csm_constants.h"
 #include <math.h>
 #include <string.h>
 
@@ -60,7 +60,7 @@ static void put_row(float *out, uint32_t index, const double row[4]) {
     out[index * 4 + (uint32_t)k] = plan_float(row[k]);
 }
 
-/* HISTORY_PLACE, HISTORY_PLANE and HISTORY_OWN. */
+/* CSM_H_PLACE, CSM_H_PLANE and CSM_H_OWN. */
 static void put_places(float *out, const plan_frame *frame, const plan_past *past, const plan_past *now) {
   double to_relative[16], to_past[16], places[16], back[16], span[4], own[4];
   plan_pixels_to_relative(to_relative, frame, &now->camera, now->width, now->height);
@@ -71,16 +71,16 @@ static void put_places(float *out, const plan_frame *frame, const plan_past *pas
   for (int k = 0; k < 4; ++k)
     places[k * 4 + 2] = span[k];
   for (uint32_t i = 0; i < 4; ++i)
-    put_row(out, HISTORY_PLACE + i, (const double[4]){places[i], places[4 + i], places[8 + i], places[12 + i]});
+    put_row(out, CSM_H_PLACE + i, (const double[4]){places[i], places[4 + i], places[8 + i], places[12 + i]});
   /* A plane goes there by the transpose of the inverse, whose columns are its rows. */
   if (!plan_invert(back, places))
     memset(back, 0, sizeof back);
   for (uint32_t i = 0; i < 3; ++i)
-    put_row(out, HISTORY_PLANE + i, &back[i * 4]);
-  put_row(out, HISTORY_OWN, own);
+    put_row(out, CSM_H_PLANE + i, &back[i * 4]);
+  put_row(out, CSM_H_OWN, own);
 }
 
-/* HISTORY_NORMAL: axis by axis of the world, on the viewer's side. */
+/* CSM_H_NORMAL: axis by axis of the world, on the viewer's side. */
 static void put_normals(float *out, const plan_frame *frame, const plan_past *now, const plan_picture *picture) {
   const double viewer = now->camera.reversed ? -1.0 : 1.0;
   const double decode = picture->unorm_normals ? 2.0 : 1.0, middle = picture->unorm_normals ? -1.0 : 0.0;
@@ -91,7 +91,7 @@ static void put_normals(float *out, const plan_frame *frame, const plan_past *no
     row[axis] = decode;
     for (uint32_t k = 0; k < 4 && !picture->normals; ++k)
       row[k] = viewer * to_pixels[axis * 4 + k];
-    put_row(out, HISTORY_NORMAL + axis, row);
+    put_row(out, CSM_H_NORMAL + axis, row);
   }
 }
 
@@ -105,13 +105,13 @@ uint32_t plan_write_history_constants(float *out, const plan_frame *frame, const
   const double more = linear ? config->history_depth * half_height(&now->camera) * scale : 0.0;
   put_places(out, frame, passage->past, now);
   put_normals(out, frame, now, picture);
-  put_row(out, HISTORY_SIZE, (const double[4]){width, height, 1.0 / width, 1.0 / height});
-  put_row(out, HISTORY_LIMITS,
+  put_row(out, CSM_H_SIZE, (const double[4]){width, height, 1.0 / width, 1.0 / height});
+  put_row(out, CSM_H_LIMITS,
           (const double[4]){(linear ? 0.0 : config->history_depth) + SPAN_SHARE, more + SPAN_STEP,
                             cos(angle * radians), config->history_frames});
-  put_row(out, HISTORY_CLEAR,
+  put_row(out, CSM_H_CLEAR,
           (const double[4]){plan_clear_depth(&now->camera), picture->show == CSM_SHOW_HISTORY, 0.0, 0.0});
-  return HISTORY_COUNT * 4 * sizeof(float);
+  return CSM_H_COUNT * 4 * sizeof(float);
 }
 
 /* The radical inverse in base 2 (van der Corput): of 2^n frames in a row, each 2^-n of a turn gets one. */

@@ -347,7 +347,7 @@ typedef struct plan_passage {
 
 /* Whether a mask may go on from an earlier one. Where it was cut to another place, no pixel finds itself again. */
 bool plan_past_counts(const plan_past *past, const plan_past *now);
-/* The block of the history pass (shaders/private/history.h). Returns its bytes. */
+/* The block of the history pass (CSM_H_* of csm_constants.h). Returns its bytes. */
 uint32_t plan_write_history_constants(float *out, const plan_frame *frame, const plan_picture *picture,
                                       const plan_passage *passage, const csm_config *config);
 /* CSM_S_SOFT_MORE.w of a view's frame: by how much of a pattern its filter goes on, from 0 to 1. Frames lie apart as evenly

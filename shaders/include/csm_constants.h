@@ -55,6 +55,19 @@
 #define CSM_M_BIAS 13   /* CSM_S_BIAS' constant, slope and slope max, and CSM_S_UNITS' constant, as this picture needs them */
 #define CSM_M_COUNT 14
 
+/*
+ * The history pass's own block. A pixel's span is what changes linearly across the picture of a plane: 1 / view depth of a
+ * perspective camera, the view depth of an orthographic one, each times a power of two of its picture's.
+ */
+#define CSM_H_PLACE 0  /* four rows: a pixel's place to x, y and span in the earlier picture, each times w, and w */
+#define CSM_H_PLANE 4  /* three rows: a plane on screen, as in CSM_M_PLANES, to the earlier picture's: x, y and span */
+#define CSM_H_NORMAL 7 /* three rows: such a plane, or a texel of the engine's normals, to its normal in the world */
+#define CSM_H_OWN 10   /* a pixel's place to its span in this picture */
+#define CSM_H_SIZE 11  /* width, height, 1 / width, 1 / height */
+#define CSM_H_LIMITS 12 /* how far spans may be apart: a share of themselves, and more; cosine of the angle; frames */
+#define CSM_H_CLEAR 13  /* depth of a pixel without a surface; 1: the mask shows how many frames a pixel has */
+#define CSM_H_COUNT 14
+
 /* What C and C++ see: the same blocks as structs, for an engine's own buffers and debugging. */
 #if defined(__cplusplus) || defined(__STDC_VERSION__)
 #include <stddef.h>

@@ -1,13 +1,13 @@
 #include "techniques/history/history.h"
 
-#include "private/history.h"
+#include "csm_constants.h"
 #include "shader_code.h"
 #include "techniques/drawn_image.h"
 #include "techniques/engine_image.h"
 #include "techniques/inputs.h"
 
 enum { BLOCK = 256 };
-_Static_assert(HISTORY_COUNT * 4 * sizeof(float) <= BLOCK, "BLOCK");
+_Static_assert(CSM_H_COUNT * 4 * sizeof(float) <= BLOCK, "BLOCK");
 
 /* What a program is made for. */
 enum { WITH_NORMALS = 1u << 0, WITH_MOTION = 1u << 1, TO_MASK = 1u << 2, PROGRAMS };
