@@ -1,8 +1,12 @@
 // The history of a mask: this frame's visibility, and the mean of the frames before it where they saw the same surface.
 // Out come visibility, how many frames it is the mean of, span and normal (csm_constants.h).
-#include "csm_constants.h"
+#include "csm_history.h"
 #include "private/history_inputs.hlsl"
 
+cbuffer history_block : register(b0)
+{
+    float4 mask_c[CSM_H_COUNT]; // CSM_M_SIZE is what depth_steps reads of it
+};
 Texture2D<float> mask : register(t0);
 Texture2D<float> camera_depth : register(t1);
 Texture2D<float4> history : register(t2);
@@ -12,8 +16,7 @@ Texture2D<float4> normals : register(t3);
 #if HISTORY_MOTION
 Texture2D<float4> motion : register(t4);
 #endif
-SamplerState at_point : register(s0);
-#define DEPTH_SAMPLER at_point
+SamplerState csm_point : register(s0);
 #include "private/depth_steps.hlsl"
 
 static history_inputs inputs;
@@ -72,7 +75,7 @@ struct surface
 surface surface_at(float2 place, float depth)
 {
     surface s;
-    float2 steps = depth_steps(place, depth, inputs.size);
+    float2 steps = depth_steps(place, depth);
     float origin = mad(-steps.x, place.x, mad(-steps.y, place.y, depth));
 #if HISTORY_NORMALS
     float3 n = normals.Load(int3(int2(place), 0)).xyz;
@@ -153,10 +156,10 @@ float2 bounds_at(float2 place, float visibility)
 {
     float4 size = inputs.size;
     float2 uv = place * size.zw;
-    float4 a = mask.Gather(at_point, float2(mad(size.z, -1.5, uv.x), mad(size.w, -1.5, uv.y)));
-    float4 b = mask.Gather(at_point, float2(mad(size.z, 1.5, uv.x), mad(size.w, -1.5, uv.y)));
-    float4 c = mask.Gather(at_point, float2(mad(size.z, -1.5, uv.x), mad(size.w, 1.5, uv.y)));
-    float4 d = mask.Gather(at_point, float2(mad(size.z, 1.5, uv.x), mad(size.w, 1.5, uv.y)));
+    float4 a = mask.Gather(csm_point, float2(mad(size.z, -1.5, uv.x), mad(size.w, -1.5, uv.y)));
+    float4 b = mask.Gather(csm_point, float2(mad(size.z, 1.5, uv.x), mad(size.w, -1.5, uv.y)));
+    float4 c = mask.Gather(csm_point, float2(mad(size.z, -1.5, uv.x), mad(size.w, 1.5, uv.y)));
+    float4 d = mask.Gather(csm_point, float2(mad(size.z, 1.5, uv.x), mad(size.w, 1.5, uv.y)));
     float4 least = min(min(a, b), min(c, d)), most = max(max(a, b), max(c, d));
     return float2(min(min(min(least.x, least.y), min(least.z, least.w)), visibility),
                   max(max(max(most.x, most.y), max(most.z, most.w)), visibility));

@@ -1,5 +1,5 @@
 // One triangle over the whole history, with what is the same for all of its pixels.
-#include "csm_constants.h"
+#include "csm_history.h"
 #include "private/history_inputs.hlsl"
 
 cbuffer history_block : register(b0)

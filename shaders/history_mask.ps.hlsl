@@ -1,5 +1,5 @@
 // The mask that a history comes to: its visibility, or how many frames it is the mean of.
-#include "csm_constants.h"
+#include "csm_history.h"
 
 cbuffer history_block : register(b0)
 {

@@ -8,7 +8,7 @@ float3 surface_normal(float2 place, float depth)
     float3 n = normals.Load(int3(int2(place), 0)).xyz;
     return float3(csm_row(inputs.normal_0, n), csm_row(inputs.normal_1, n), csm_row(inputs.normal_2, n));
 #else
-    return plane_normal(place, depth, depth_steps(place, depth, mask_c[CSM_M_SIZE]));
+    return plane_normal(place, depth, depth_steps(place, depth));
 #endif
 }
 
@@ -37,6 +37,11 @@ float main(mask_inputs pixel) : SV_Target
 #endif
     csm_receiver receiver = csm_receiver_of(at, normal, light_view_depth(at));
     receiver.doubt = normal_doubt(place, depth);
+#if MASK_MOMENTS
+    float2 steps = depth_steps(place, depth);
+    receiver.across = light_position(float2(place.x + 1.0, place.y), depth + steps.x) - at;
+    receiver.down = light_position(float2(place.x, place.y + 1.0), depth + steps.y) - at;
+#endif
     float lit = csm_visibility_of(receiver);
     return depth == mask_c[CSM_M_CLEAR].x ? 1.0 : lit;
 }

@@ -16,7 +16,7 @@ float main(mask_inputs pixel) : SV_Target
     inputs = pixel;
     float2 place = pixel.position.xy;
     float depth = camera_depth.Load(int3(int2(place), 0));
-    float2 steps = depth_steps(place, depth, mask_c[CSM_M_SIZE]);
+    float2 steps = depth_steps(place, depth);
     float3 at = light_position(place, depth), normal = unit(plane_normal(place, depth, steps));
     csm_choice choice = csm_choose(csm_receiver_of(at, normal, light_view_depth(at)));
     // Half the logarithm of the square; rounded here, so that no format has a say in it

@@ -7,7 +7,7 @@
  */
 #include "plan/internal.h"
 
-#include "csm_constants.h"
+#include "csm_history.h"
 #include <math.h>
 #include <string.h>
 
@@ -120,4 +120,8 @@ double plan_history_phase(uint32_t frame) {
   for (uint32_t bit = 0; bit < 6; ++bit)
     phase += frame >> bit & 1u ? ldexp(0.5, -(int)bit) : 0.0;
   return phase;
+}
+
+void plan_write_phase(float *out, double phase) {
+  out[CSM_S_SOFT_MORE * 4 + 3] = plan_float(phase);
 }

@@ -6,8 +6,9 @@
 #include "techniques/history/history.h"
 #include "techniques/maps/maps.h"
 #include "techniques/mask/mask.h"
+#include "techniques/moments/moments.h"
 
-static const technique *const of_cascades[] = {&technique_maps};
+static const technique *const of_cascades[] = {&technique_maps, &technique_moments};
 static const technique *const of_views[] = {&technique_camera_depth, &technique_mask, &technique_history,
                                            &technique_depth_samples};
 

@@ -36,8 +36,18 @@
 #define CSM_S_KERNEL 52  /* filter, its taps or points, radius in texels, 1 / sum of the weights */
 #define CSM_S_OPTIONS 53 /* bias mode, early out, 1 or -1 if maps are reversed, an empty map's depth times that */
 #define CSM_S_WEIGHTS 54 /* four: weights of taps along an axis, from the middle outwards */
-#define CSM_S_OWN 58     /* slope max of a receiver's own surface, the filter's reach in texels, least share that says it */
-#define CSM_C_COUNT 59
+/* Slope max of a receiver's own surface, the filter's reach in texels, least share that says it; what a variance may be off */
+#define CSM_S_OWN 58
+/* Exponent (msm4: 1 if moments are packed), negative exponent, moment bias, layers of depth */
+#define CSM_S_MOMENTS 59
+/* Least variance of z (-1 to 1) by range and format; deviation in m, in texels of slope; 1 / the image's side in map's texels */
+#define CSM_S_VARIANCE 60
+#define CSM_S_BLEEDING 61 /* reduction, 1 / (1 - reduction), power, curve */
+/* Highest level; variance of where the blur's texels lie, in map's texels; most samples; texels of moments for one of the map */
+#define CSM_S_LEVELS 62
+#define CSM_S_SOFT 63      /* tangent of half the light's diameter, search taps, taps, most texels around */
+#define CSM_S_SOFT_MORE 64 /* penumbra, light's size as a share of a map, least texels around, the pattern's phase */
+#define CSM_C_COUNT 65
 
 /*
  * The mask pass's own block. A pixel's place is (x, y, depth, 1): x and y in pixels, the depth as in the camera's depth
@@ -54,19 +64,6 @@
 #define CSM_M_DEPTH 12  /* view depth of a point of light space: dot(p, xyz) + w */
 #define CSM_M_BIAS 13   /* CSM_S_BIAS' constant, slope and slope max, and CSM_S_UNITS' constant, as this picture needs them */
 #define CSM_M_COUNT 14
-
-/*
- * The history pass's own block. A pixel's span is what changes linearly across the picture of a plane: 1 / view depth of a
- * perspective camera, the view depth of an orthographic one, each times a power of two of its picture's.
- */
-#define CSM_H_PLACE 0  /* four rows: a pixel's place to x, y and span in the earlier picture, each times w, and w */
-#define CSM_H_PLANE 4  /* three rows: a plane on screen, as in CSM_M_PLANES, to the earlier picture's: x, y and span */
-#define CSM_H_NORMAL 7 /* three rows: such a plane, or a texel of the engine's normals, to its normal in the world */
-#define CSM_H_OWN 10   /* a pixel's place to its span in this picture */
-#define CSM_H_SIZE 11  /* width, height, 1 / width, 1 / height */
-#define CSM_H_LIMITS 12 /* how far spans may be apart: a share of themselves, and more; cosine of the angle; frames */
-#define CSM_H_CLEAR 13  /* depth of a pixel without a surface; 1: the mask shows how many frames a pixel has */
-#define CSM_H_COUNT 14
 
 /* What C and C++ see: the same blocks as structs, for an engine's own buffers and debugging. */
 #if defined(__cplusplus) || defined(__STDC_VERSION__)
@@ -93,6 +90,12 @@ typedef struct csm_settings_block {
   float options[4];
   float weights[16];
   float own[4];
+  float moments[4];
+  float variance[4];
+  float bleeding[4];
+  float levels[4];
+  float soft[4];
+  float soft_more[4];
 } csm_settings_block;
 
 /* Both, one after the other. */
@@ -125,6 +128,12 @@ CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, kernel) == (CSM_S_KERNEL - CSM
 CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, options) == (CSM_S_OPTIONS - CSM_S_BEGIN) * 16);
 CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, weights) == (CSM_S_WEIGHTS - CSM_S_BEGIN) * 16);
 CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, own) == (CSM_S_OWN - CSM_S_BEGIN) * 16);
+CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, moments) == (CSM_S_MOMENTS - CSM_S_BEGIN) * 16);
+CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, variance) == (CSM_S_VARIANCE - CSM_S_BEGIN) * 16);
+CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, bleeding) == (CSM_S_BLEEDING - CSM_S_BEGIN) * 16);
+CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, levels) == (CSM_S_LEVELS - CSM_S_BEGIN) * 16);
+CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, soft) == (CSM_S_SOFT - CSM_S_BEGIN) * 16);
+CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, soft_more) == (CSM_S_SOFT_MORE - CSM_S_BEGIN) * 16);
 CSM_CONSTANTS_ASSERT(offsetof(csm_constants, settings) == CSM_S_BEGIN * 16);
 CSM_CONSTANTS_ASSERT(sizeof(csm_constants) == CSM_C_COUNT * 16);
 #undef CSM_CONSTANTS_ASSERT

@@ -1,4 +1,3 @@
-// How a camera's depth changes around a pixel. An includer has the texture camera_depth and says which sampler reads it.
 // The depths of the pixels on either side, and of those behind them.
 struct neighbours
 {
@@ -19,15 +18,16 @@ float depth_step(float depth, neighbours n, float at, float pixel)
     return mad(depth, 4.0 / 8388608.0, bend_back) < bend_on ? depth - n.back : n.on - depth;
 }
 
-// The depth's steps right and down; `size` is width, height, and 1 / each.
-float2 depth_steps(float2 place, float depth, float4 size)
+// The depth's steps right and down.
+float2 depth_steps(float2 place, float depth)
 {
+    float4 size = mask_c[CSM_M_SIZE];
     float2 uv = place * size.zw;
     // Each gather reads two pixels to one side: its corner lies between them, and half a pixel off the axis
-    float4 left = camera_depth.Gather(DEPTH_SAMPLER, float2(mad(size.z, -1.5, uv.x), mad(size.w, 0.5, uv.y)));
-    float4 right = camera_depth.Gather(DEPTH_SAMPLER, float2(mad(size.z, 1.5, uv.x), mad(size.w, 0.5, uv.y)));
-    float4 above = camera_depth.Gather(DEPTH_SAMPLER, float2(mad(size.z, 0.5, uv.x), mad(size.w, -1.5, uv.y)));
-    float4 below = camera_depth.Gather(DEPTH_SAMPLER, float2(mad(size.z, 0.5, uv.x), mad(size.w, 1.5, uv.y)));
+    float4 left = camera_depth.Gather(csm_point, float2(mad(size.z, -1.5, uv.x), mad(size.w, 0.5, uv.y)));
+    float4 right = camera_depth.Gather(csm_point, float2(mad(size.z, 1.5, uv.x), mad(size.w, 0.5, uv.y)));
+    float4 above = camera_depth.Gather(csm_point, float2(mad(size.z, 0.5, uv.x), mad(size.w, -1.5, uv.y)));
+    float4 below = camera_depth.Gather(csm_point, float2(mad(size.z, 0.5, uv.x), mad(size.w, 1.5, uv.y)));
     neighbours across, down;
     across.back = left.z;
     across.far_back = left.w;

@@ -22,7 +22,14 @@ cbuffer mask_block : register(b1)
 };
 Texture2DArray<float> csm_maps : register(t0);
 Texture2D<float> camera_depth : register(t1);
-#if MASK_NORMALS
+#if (CSM_FILTER >= CSM_FILTER_VSM && CSM_FILTER <= CSM_FILTER_MSM4) || CSM_FILTER == CSM_FILTER_VSSM
+#define MASK_MOMENTS 1
+Texture2DArray<float4> csm_moments : register(t2);
+SamplerState csm_linear : register(s1);
+#endif
+#if MASK_NORMALS && MASK_MOMENTS
+Texture2D<float4> normals : register(t3);
+#elif MASK_NORMALS
 Texture2D<float4> normals : register(t2);
 #endif
 SamplerState csm_point : register(s0);
@@ -42,8 +49,6 @@ static mask_inputs inputs;
 #define CSM_OFFSET_2 inputs.offset_2
 #define CSM_OFFSET_3 inputs.offset_3
 #include "csm_sample.hlsl"
-#define DEPTH_SAMPLER csm_point
-#include "private/depth_steps.hlsl"
 
 float light_row(float4 row, float2 place, float depth)
 {
@@ -58,6 +63,7 @@ float3 light_position(float2 place, float depth)
                   light_row(inputs.light_2, place, depth) * scale);
 }
 
+#include "private/depth_steps.hlsl"
 // View depth of a point of light space.
 float light_view_depth(float3 at)
 {

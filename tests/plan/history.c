@@ -1,7 +1,7 @@
 /* From a picture to the one before it: places, spans, planes and normals, against cameras and rays in doubles. */
 #include "support.h"
 
-#include "csm_constants.h"
+#include "csm_history.h"
 #include <math.h>
 #include <string.h>
 

@@ -1,6 +1,6 @@
 #include "techniques/history/history.h"
 
-#include "csm_constants.h"
+#include "csm_history.h"
 #include "shader_code.h"
 #include "techniques/drawn_image.h"
 #include "techniques/engine_image.h"

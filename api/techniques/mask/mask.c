@@ -7,6 +7,7 @@
 #include "techniques/inputs.h"
 #include "techniques/maps/maps.h"
 #include "techniques/mask/mask_programs.h"
+#include "techniques/moments/moments.h"
 
 #include <string.h>
 
@@ -16,7 +17,7 @@ _Static_assert(CSM_M_COUNT * 4 * sizeof(float) <= MASK_CAMERA_BLOCK, "MASK_CAMER
 
 typedef struct mask_state {
   drawn_images mask;
-  inputs inputs[2]; /* without and with normals */
+  inputs inputs[2][3]; /* without and with normals; moments: none, of one level, of more */
   bool accumulated; /* what was drawn is one frame of the view's history, which has the mask */
   double gpu_ms;
   bool measured;
@@ -65,6 +66,8 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
     result = mask_program(device, run->config, normals.image, shows, &state->program);
   if (result)
     return result;
+  gpu_image *moments = shows ? NULL : moments_image(run->cascades, run->config);
+  const uint32_t levels = !moments ? 0 : run->config->moment_levels > 1 ? 2 : 1;
   picture->normals = normals;
   picture->mask = drawn_image_next(&state->mask)->image;
   state->rounding = normals.image ? normals.rounding : picture->depth_rounding;
@@ -72,9 +75,10 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
       .name = "mask",
       .program = state->program,
       .constants = {ring->buffer, ring->buffer},
-      .textures = {maps_image(run->cascades), picture->depth, normals.image},
+      .textures = {maps_image(run->cascades), picture->depth, moments ? moments : normals.image,
+                   moments ? normals.image : NULL},
   };
-  return inputs_find(&state->inputs[normals.image != NULL], device, &reads, &state->input);
+  return inputs_find(&state->inputs[normals.image != NULL][levels], device, &reads, &state->input);
 }
 
 static void write(void *self, const technique_run *run) {
@@ -108,7 +112,8 @@ static void drop(void *self, device *device) {
   recording_forget_timing(device, state);
   drawn_image_drop(&state->mask, device);
   for (int normals = 0; normals < 2; ++normals)
-    inputs_drop(&state->inputs[normals], device);
+    for (int levels = 0; levels < 3; ++levels)
+      inputs_drop(&state->inputs[normals][levels], device);
   state->measured = state->accumulated = false;
 }
 
