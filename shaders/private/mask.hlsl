@@ -63,6 +63,20 @@ float3 light_position(float2 place, float depth)
                   light_row(inputs.light_2, place, depth) * scale);
 }
 
+float light_change(float4 row, float3 change)
+{
+    return mad(change.x, row.x, mad(change.y, row.y, change.z * row.z));
+}
+
+// How a point of the screen, which lies at `at` in light space, moves there right and up, by how its place and depth change.
+float3 light_step(float2 place, float depth, float3 at, float3 change)
+{
+    float scale = 1.0 / light_row(inputs.light_3, place, depth);
+    float nearer = light_change(inputs.light_3, change);
+    return float3(mad(-at.x, nearer, light_change(inputs.light_0, change)) * scale,
+                  mad(-at.y, nearer, light_change(inputs.light_1, change)) * scale, 0.0);
+}
+
 #include "private/depth_steps.hlsl"
 // View depth of a point of light space.
 float light_view_depth(float3 at)
