@@ -55,8 +55,6 @@ static csm_result check_filter(const csm_config *config, const char **error) {
 
 static csm_result check_moments(const csm_config *config, const char **error) {
   const uint32_t filter = config->filter;
-  if (config->moment_layers > 1 && filter != CSM_FILTER_VSM)
-    return plan_fail(error, CSM_ERROR_INVALID_VALUE, "moment_layers above 1 are for filter vsm");
   if (filter == CSM_FILTER_VSSM && config->moment_levels < 2)
     return plan_fail(error, CSM_ERROR_INVALID_VALUE,
                      "filter vssm needs moment_levels above 1: it reads means of areas");
