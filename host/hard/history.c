@@ -12,7 +12,7 @@
 /* A step of the mask's own 8 bits, and of the halves that a history lies in. */
 static const double rounding = 1.5 / 255.0;
 /* Pixels to either side that bound a pixel's history. */
-enum { AROUND = 2 };
+enum { AROUND = 1 };
 
 /* Masks with and without a history, of one frame. */
 typedef struct pair {
