@@ -79,8 +79,17 @@ double plan_view_side(const plan_camera *camera);
 void plan_view_rotation_inverse(double out[9], const double view[16]);
 
 /* ---- moments ---- */
-/* The largest c that moments of exp(c z) may have; `squared`: their second moments too. */
-double plan_moment_exponent_most(const csm_config *config, bool squared);
+/* What a configuration's moments are made with, and how far their format and arithmetic put them off. */
+typedef struct plan_moment_errors {
+  double exponent, negative; /* as configured, or what the format holds */
+  double mean;               /* by how much a mean of z may be off, which is from -1 to 1 */
+  double variance;           /* a variance of z; with exponentials, as a share of the mean square */
+  double bias;               /* msm4: the share of another distribution that leaves one of any that is so far off */
+} plan_moment_errors;
+
+void plan_moment_errors_make(plan_moment_errors *out, const csm_config *config);
+/* The variance of where a filter's texels lie along an axis, in texels of the map squared, without levels. */
+double plan_moment_spread(const csm_config *config);
 
 /* ---- light ---- */
 /*

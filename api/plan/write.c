@@ -79,31 +79,39 @@ static void put_filter(float *out, const csm_config *config) {
 }
 
 static void put_bias(float *out, const csm_config *config) {
-  /* A plane under the filter needs no more than what it cannot know: half a texel. */
-  const double reach_texels = config->bias_mode == CSM_BIAS_SLOPE ? plan_filter_reach_texels(config) : 0.5;
-  /* A depth in 16 bits is off by up to half a unit; what a float is off by lies within the bias in texels. */
-  const double rounding = config->map_format == CSM_MAP_D16 ? 0.5 / 65535.0 : 0.0;
+  /* A plane under the filter needs no more than what it cannot know: half a texel. A mean of depths is on it. */
+  const bool plane = config->bias_mode == CSM_BIAS_RECEIVER_PLANE || plan_has_moments(config);
+  const double reach_texels = plane ? 0.5 : plan_filter_reach_texels(config);
+  plan_moment_errors errors;
+  plan_moment_errors_make(&errors, config);
+  /* A depth in 16 bits is off by up to half a unit; what a float is off by lies within the bias in texels. Moments are off
+     by as much as they say, of a range from -1 to 1. */
+  const double rounding = (config->map_format == CSM_MAP_D16 ? 0.5 / 65535.0 : 0.0) + errors.mean / 2.0;
   put(out, CSM_S_BIAS, config->bias_constant_texels, config->bias_slope_texels * reach_texels, config->bias_slope_max,
       config->bias_normal_texels);
   put(out, CSM_S_UNITS, config->bias_constant_range + rounding, config->bias_constant_m, config->bias_slope_range,
       config->bias_limit_range > 0.0 ? config->bias_limit_range : 1e30);
   put(out, CSM_S_OWN, fmax(config->bias_plane_max, config->bias_slope_max), plan_filter_reach_texels(config),
-      plan_filter_least_share(config), 0.0);
+      plan_filter_least_share(config), errors.variance);
 }
 
 static void put_moments(float *out, const csm_config *config) {
-  const bool squared = config->filter != CSM_FILTER_ESM;
-  const double most = plan_moment_exponent_most(config, squared), deviation = 2.0 * config->moment_deviation_range;
+  const double deviation = 2.0 * config->moment_deviation_range;
+  const bool samples = config->moment_sampling != CSM_SAMPLING_BILINEAR || config->filter == CSM_FILTER_VSSM;
+  const bool packed = config->filter == CSM_FILTER_MSM4 && config->moment_format == CSM_MOMENTS_FLOAT16;
   plan_moments moments = {.levels = 1, .side = 1};
   if (plan_has_moments(config))
     plan_moments_make(&moments, config);
-  put(out, CSM_S_MOMENTS, fmin(config->moment_exponent, most), fmin(config->moment_exponent_negative, most),
-      config->moment_bias, config->moment_layers);
-  put(out, CSM_S_VARIANCE, deviation * deviation, config->moment_deviation_m, config->moment_deviation_slope,
-      1.0 / (moments.side << config->moment_halved));
+  plan_moment_errors errors;
+  plan_moment_errors_make(&errors, config);
+  put(out, CSM_S_MOMENTS, config->filter == CSM_FILTER_MSM4 ? packed : errors.exponent, errors.negative,
+      fmax(config->moment_bias, errors.bias), config->moment_layers);
+  put(out, CSM_S_VARIANCE, deviation * deviation + errors.mean * errors.mean, config->moment_deviation_m,
+      config->moment_deviation_slope, 1.0 / (moments.side << config->moment_halved));
   put(out, CSM_S_BLEEDING, config->bleeding_reduction, 1.0 / (1.0 - config->bleeding_reduction), config->bleeding_power,
       config->bleeding_curve);
-  put(out, CSM_S_LEVELS, moments.levels - 1.0, config->moment_sampling, config->moment_anisotropy,
+  put(out, CSM_S_LEVELS, samples ? moments.levels - 1.0 : 0.0, plan_moment_spread(config),
+      config->moment_sampling == CSM_SAMPLING_ANISOTROPIC ? config->moment_anisotropy : 1.0,
       config->moment_halved ? 0.5 : 1.0);
 }
 
