@@ -11,15 +11,9 @@ void main(uint3 group : SV_GroupID, uint thread : SV_GroupIndex)
     // The last ones of a side that they do not divide make some texels twice
     int x = min(t.begin.x + int(thread & 7u) * MOMENTS_RUN, t.side - MOMENTS_RUN);
     int y = min(t.begin.y + int(thread >> 3u) * MOMENTS_RUN, t.side - MOMENTS_RUN);
-    [loop] for (int row = y; row < y + MOMENTS_RUN; ++row)
+    [loop] for (int i = 0; i < MOMENTS_RUN * MOMENTS_RUN; ++i)
     {
-        to[int3(x, row, layer)] = moments_at(x, row);
-        to[int3(x + 1, row, layer)] = moments_at(x + 1, row);
-        to[int3(x + 2, row, layer)] = moments_at(x + 2, row);
-        to[int3(x + 3, row, layer)] = moments_at(x + 3, row);
-        to[int3(x + 4, row, layer)] = moments_at(x + 4, row);
-        to[int3(x + 5, row, layer)] = moments_at(x + 5, row);
-        to[int3(x + 6, row, layer)] = moments_at(x + 6, row);
-        to[int3(x + 7, row, layer)] = moments_at(x + 7, row);
+        int column = x + (i & (MOMENTS_RUN - 1)), row = y + i / MOMENTS_RUN;
+        to[int3(column, row, layer)] = moments_at(column, row);
     }
 }

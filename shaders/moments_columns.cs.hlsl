@@ -16,7 +16,7 @@ void main(uint3 group : SV_GroupID, uint thread : SV_GroupIndex)
     last = t.side - 1;
     line_at = min(t.begin.x + int(thread), last);
     int y = min(t.begin.y + int(group.z) * MOMENTS_RUN, t.side - MOMENTS_RUN);
-    run_of_eight run = blurred_run(y, int(dispatch_c[MOMENTS_D_PASS].x));
+    moments_run run = blurred_run(y, int(dispatch_c[MOMENTS_D_PASS].x));
     to[int3(line_at, y, layer)] = run.a;
     to[int3(line_at, y + 1, layer)] = run.b;
     to[int3(line_at, y + 2, layer)] = run.c;

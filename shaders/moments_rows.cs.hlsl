@@ -14,7 +14,7 @@ void main(uint3 group : SV_GroupID, uint thread : SV_GroupIndex)
     last = t.side - 1;
     line_at = min(t.begin.y + int(thread), last);
     int x = min(t.begin.x + int(group.z) * MOMENTS_RUN, t.side - MOMENTS_RUN);
-    run_of_eight run = blurred_run(x, int(dispatch_c[MOMENTS_D_PASS].x));
+    moments_run run = blurred_run(x, int(dispatch_c[MOMENTS_D_PASS].x));
     to[int3(x, line_at, 0)] = run.a;
     to[int3(x + 1, line_at, 0)] = run.b;
     to[int3(x + 2, line_at, 0)] = run.c;

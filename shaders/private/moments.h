@@ -7,7 +7,7 @@
 #define MOMENTS_THREADS 64
 #define MOMENTS_RUN 8
 
-/* What one pass both converts and blurs reaches no farther; larger radii take two. */
+/* A blur that reaches no farther has no loop. */
 #define MOMENTS_SMALL_RADIUS 3
 #define MOMENTS_RADIUS_MOST 32
 

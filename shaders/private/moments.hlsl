@@ -14,8 +14,12 @@ cbuffer dispatch_block : register(b1)
 };
 StructuredBuffer<uint> tiles : register(t8);
 
-#ifdef MOMENTS_WIDTH
-#define MOMENTS_CHANNELS (1 << MOMENTS_WIDTH)
+#if defined(MOMENTS_WIDTH) && MOMENTS_WIDTH == 0
+#define MOMENTS_CHANNELS 1
+#elif defined(MOMENTS_WIDTH) && MOMENTS_WIDTH == 1
+#define MOMENTS_CHANNELS 2
+#elif defined(MOMENTS_WIDTH)
+#define MOMENTS_CHANNELS 4
 #elif CSM_FILTER == CSM_FILTER_ESM
 #define MOMENTS_CHANNELS 1
 #elif CSM_FILTER == CSM_FILTER_EVSM4 || CSM_FILTER == CSM_FILTER_MSM4
@@ -72,7 +76,7 @@ static float4 moments_row;
 static int2 map_begin;
 static int map_layer;
 static float2 towards_light;
-static float slice;
+static float2 slice; // as csm_layer has it
 #define CSM_MOMENTS_ROW moments_row
 #define CSM_MOMENTS_WARP_ONLY
 #define csm_float2 float2
@@ -87,13 +91,13 @@ void begin_depths(tile t, float layer)
     map_begin = int2(rect.xy);
     map_layer = int(rect.w);
     towards_light = float2(csm_c[CSM_S_OPTIONS].z, 1.0 - csm_c[CSM_S_OPTIONS].w);
-    slice = layer;
+    slice = csm_layer(layer, moments_row.w);
 }
 
 MOMENTS moments_of_texel(int x, int y)
 {
     float depth = maps.Load(int4(map_begin.x + x, map_begin.y + y, map_layer, 0));
-    return MOMENTS_OF(csm_moments_of(mad(depth, towards_light.x, towards_light.y), slice));
+    return MOMENTS_OF(csm_moments_in(mad(depth, towards_light.x, towards_light.y), slice));
 }
 
 // At a texel of the moments.
