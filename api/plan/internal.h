@@ -327,4 +327,13 @@ void plan_light_transform(double out[12], const double basis[9], const plan_inst
 /* Stored positions to a cascade's clip space, from their transform to light space: three rows of four. */
 void plan_light_to_clip(float out[12], const plan_cascade *cascade, const double to_light[12]);
 
+/* ---- pixels.c ---- */
+
+/* Positions relative to the frame's origin, to places in a camera's picture: x to the right and y down in pixels, and the
+   depth in its buffer. And back. */
+void plan_relative_to_pixels(double out[16], const plan_frame *frame, const plan_camera *camera, uint32_t width,
+                             uint32_t height);
+void plan_pixels_to_relative(double out[16], const plan_frame *frame, const plan_camera *camera, uint32_t width,
+                             uint32_t height);
+
 #endif

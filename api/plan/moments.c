@@ -30,8 +30,9 @@ static uint32_t levels_of(uint32_t side) {
 }
 
 void plan_moments_make(plan_moments *out, const csm_config *config) {
-  *out = (plan_moments){
-      .channels = channels_of(config), .depth_layers = config->moment_layers, .levels = config->moment_levels};
+  *out = (plan_moments){.channels = channels_of(config),
+                        .depth_layers = config->filter == CSM_FILTER_VSM ? config->moment_layers : 1,
+                        .levels = config->moment_levels};
   for (uint32_t i = 0; i < config->cascade_count; ++i) {
     out->sides[i] = plan_resolution(config, i) >> config->moment_halved;
     out->side = out->sides[i] > out->side ? out->sides[i] : out->side;
@@ -99,14 +100,20 @@ static void plain_errors(plan_moment_errors *out, const csm_config *config) {
 }
 
 /*
- * Of exponentials all is off by a share. Vulkan lets exp(x) be off by 3 + 2 |x| units. An error of a share of exp(c z) is
- * one of that share over c of z; the variance's is one of the mean square.
+ * Of exponentials all is off by a share, and an error of a share of exp(c z) is one of that share over c of z. Vulkan lets
+ * exp(x) be off by 3 + 2 |x| units of its last place; a moment's and a receiver's may be so to either side. The variance's
+ * error is a share of the mean square.
  */
+static double warped_error(double exponent, double share) {
+  return (share + 2.0 * (3.0 + 2.0 * exponent) * 2.0 * UNIT) / exponent;
+}
+
 static void warped_errors(plan_moment_errors *out, const csm_config *config) {
-  const double floats = sums(config) * UNIT, stored = stores(config) * rounding_of(config).share;
-  const double least = config->filter == CSM_FILTER_EVSM4 ? fmin(out->exponent, out->negative) : out->exponent;
-  out->mean = (stored + floats + 2.0 * (3.0 + 2.0 * out->exponent) * 2.0 * UNIT) / least;
-  out->variance = 3.0 * (stored + floats);
+  const double share = stores(config) * rounding_of(config).share + sums(config) * UNIT;
+  out->mean = warped_error(out->exponent, share);
+  if (config->filter == CSM_FILTER_EVSM4)
+    out->mean = fmax(out->mean, warped_error(out->negative, share));
+  out->variance = 3.0 * share;
 }
 
 void plan_moment_errors_make(plan_moment_errors *out, const csm_config *config) {

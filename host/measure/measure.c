@@ -89,6 +89,25 @@ static void print_time(FILE *to, const measurement *m, const char *name, double 
   fputc('\n', to);
 }
 
+static void print_bytes(FILE *to, const measurement *m, const char *name, uint64_t (*value)(const stage_stats *)) {
+  fprintf(to, "  %-20s  %-34s", name, "");
+  for (uint32_t i = 0; i < m->count; i++)
+    fprintf(to, " %12.2f MiB", (double)value(&m->frames[i].stats) / (1024.0 * 1024.0));
+  fputc('\n', to);
+}
+
+static uint64_t map_bytes(const stage_stats *stats) {
+  return stats->maps.map_bytes;
+}
+
+static uint64_t moment_bytes(const stage_stats *stats) {
+  return stats->maps.moment_bytes;
+}
+
+static uint64_t view_bytes(const stage_stats *stats) {
+  return stats->mask.bytes;
+}
+
 static void print_setup(FILE *to, const measurement *m) {
   const host_setup *setup = &m->setup;
   fprintf(to, "scene %s: %" PRIu64 " triangles; %ux%u; shadow distance %g m; %u maps of %u x %u\n", setup->scene.name,
@@ -107,7 +126,12 @@ static void print_table(FILE *to, const measurement *m) {
   fputc('\n', to);
   metrics_print(to, m->metrics, names, m->count);
   print_time(to, m, "maps, GPU", stage_maps_ms);
+  print_time(to, m, "moments, GPU", stage_moments_ms);
   print_time(to, m, "mask, GPU", stage_mask_ms);
+  print_time(to, m, "history, GPU", stage_history_ms);
+  print_bytes(to, m, "memory of maps", map_bytes);
+  print_bytes(to, m, "memory of moments", moment_bytes);
+  print_bytes(to, m, "memory of the view", view_bytes);
   fputc('\n', to);
   if (m->count == 2)
     agreement_print(to, &m->agreement, names[0], names[1]);
@@ -141,7 +165,12 @@ static json_t *backend_to_json(const measurement *m, uint32_t i) {
   json_object_set_new(object, "record_ms", json_real(stats->maps.record_ms));
   json_object_set_new(object, "maps_gpu_ms", json_real(stage_maps_ms(stats)));
   json_object_set_new(object, "camera_depth_gpu_ms", json_real(stats->mask.camera_depth_gpu_ms));
+  json_object_set_new(object, "moments_gpu_ms", json_real(stage_moments_ms(stats)));
   json_object_set_new(object, "mask_gpu_ms", json_real(stage_mask_ms(stats)));
+  json_object_set_new(object, "history_gpu_ms", json_real(stage_history_ms(stats)));
+  json_object_set_new(object, "map_bytes", json_integer((json_int_t)map_bytes(stats)));
+  json_object_set_new(object, "moment_bytes", json_integer((json_int_t)moment_bytes(stats)));
+  json_object_set_new(object, "view_bytes", json_integer((json_int_t)view_bytes(stats)));
   return object;
 }
 
@@ -194,7 +223,8 @@ static int save_pictures(const measurement *m) {
     const metrics_frame frame = frame_of(m, i);
     measure_picture_lit(&picture, &m->truth.view, &m->setup.light, m->frames[i].mask);
     code = save(&picture, m->options->out, m->stages[i].backend, "drawn");
-    measure_picture_errors(&picture, &frame, m->kinds[i]);
+    (m->setup.light.disc_deg > 0.0 ? measure_picture_difference : measure_picture_errors)(&picture, &frame,
+                                                                                          m->kinds[i]);
     const int last = save(&picture, m->options->out, m->stages[i].backend, "errors");
     code = code ? code : last;
   }
@@ -224,16 +254,20 @@ static void print_path(FILE *to, const measurement *m) {
   const char *names[HOST_BACKENDS];
   metrics pooled[HOST_BACKENDS];
   flicker flickers[HOST_BACKENDS];
+  ghosts histories[HOST_BACKENDS];
   for (uint32_t i = 0; i < m->count; i++) {
     names[i] = m->stages[i].backend;
     pooled[i] = m->results[i].pooled;
     flickers[i] = m->results[i].flicker;
+    histories[i] = m->results[i].ghosts;
   }
   print_setup(to, m);
   fprintf(to, "path: %u frames as one; truth cast in %.2f s, %u of %u answers from before\n\n", m->path.count,
           m->store.cast_ms * 1e-3, m->store.loaded, m->store.cast + m->store.loaded);
   metrics_print(to, pooled, names, m->count);
   flicker_print(to, flickers, m->count);
+  if (m->setup.config.history)
+    ghosts_print(to, histories, m->count);
 }
 
 static json_t *path_to_json(const measurement *m) {
@@ -241,9 +275,15 @@ static json_t *path_to_json(const measurement *m) {
   for (uint32_t i = 0; i < m->count; i++) {
     const path_result *result = &m->results[i];
     json_t *backend = json_object(), *pooled = metrics_to_json(&result->pooled), *frames = json_array();
-    for (uint32_t f = 0; f < m->path.count; f++)
-      json_array_append_new(frames, metrics_to_json(&result->frames[f]));
+    for (uint32_t f = 0; f < m->path.count; f++) {
+      json_t *frame = metrics_to_json(&result->frames[f]);
+      if (result->histories)
+        ghosts_to_json(frame, &result->histories[f]);
+      json_array_append_new(frames, frame);
+    }
     flicker_to_json(pooled, &result->flicker);
+    if (result->histories)
+      ghosts_to_json(pooled, &result->ghosts);
     json_object_set_new(backend, "name", json_string(m->stages[i].backend));
     json_object_set_new(backend, "device", json_string(m->stages[i].device));
     json_object_set_new(backend, "driver", json_string(m->stages[i].driver));

@@ -76,7 +76,7 @@ static float4 moments_row;
 static int2 map_begin;
 static int map_layer;
 static float2 towards_light;
-static float2 slice; // as csm_layer has it
+static float slice;
 #define CSM_MOMENTS_ROW moments_row
 #define CSM_MOMENTS_WARP_ONLY
 #define csm_float2 float2
@@ -91,13 +91,13 @@ void begin_depths(tile t, float layer)
     map_begin = int2(rect.xy);
     map_layer = int(rect.w);
     towards_light = float2(csm_c[CSM_S_OPTIONS].z, 1.0 - csm_c[CSM_S_OPTIONS].w);
-    slice = csm_layer(layer, moments_row.w);
+    slice = layer;
 }
 
 MOMENTS moments_of_texel(int x, int y)
 {
     float depth = maps.Load(int4(map_begin.x + x, map_begin.y + y, map_layer, 0));
-    return MOMENTS_OF(csm_moments_in(mad(depth, towards_light.x, towards_light.y), slice));
+    return MOMENTS_OF(csm_moments_of(mad(depth, towards_light.x, towards_light.y), slice));
 }
 
 // At a texel of the moments.

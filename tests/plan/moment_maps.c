@@ -152,18 +152,22 @@ void moment_map_flat(moment_map *map, float depth) {
   moment_map_mix(map, depth, depth, 1.0);
 }
 
+/* What is the same everywhere is so in every level. */
 void moment_map_mix(moment_map *map, float nearer, float farther, double share) {
-  for (uint32_t layer = 0; layer < map->config.moment_layers; ++layer) {
-    float a[4], b[4];
-    sampler_moments_of(a, nearer, (float)layer);
-    sampler_moments_of(b, farther, (float)layer);
-    float *const level = map->texels + (size_t)layer * 4 * moment_side * moment_side;
-    for (int i = 0; i < 4 * moment_side * moment_side; ++i) {
-      const double mean = share * (double)a[i % 4] + (1.0 - share) * (double)b[i % 4];
-      level[i] = moment_rounded(map->config.moment_format, (float)mean);
+  float *texel = map->texels;
+  for (uint32_t level = 0; level < map->levels; ++level)
+    for (uint32_t layer = 0; layer < map->config.moment_layers; ++layer) {
+      float a[4], b[4], mixed[4];
+      sampler_moments_of(a, nearer, (float)layer);
+      sampler_moments_of(b, farther, (float)layer);
+      for (int k = 0; k < 4; ++k) {
+        const double mean = share * (double)a[k] + (1.0 - share) * (double)b[k];
+        mixed[k] = moment_rounded(map->config.moment_format, (float)mean);
+      }
+      const int side = moment_side >> level;
+      for (int i = 0; i < side * side; ++i, texel += 4)
+        memcpy(texel, mixed, sizeof mixed);
     }
-  }
-  make_levels(map);
   bind(map);
 }
 

@@ -77,12 +77,17 @@ static double rounding_of(const moment_case *c) {
   return (c->blur_texels || c->levels > 1 ? 3.0 : 1.0) * once + (c->levels > 1 ? 15.0 : 4.0) * 0x1p-25;
 }
 
+static double warped_error(double exponent, double share) {
+  return (share + 8.0 * (3.0 + 2.0 * exponent) * 0x1p-25) / exponent;
+}
+
 /* By how much a mean of z is off, for techniques of z itself and of exponentials. */
 static double error_of(const moment_case *c, const plan_moment_errors *errors) {
+  const double once = rounding_of(c);
   if (c->filter == CSM_FILTER_VSM || c->filter == CSM_FILTER_MSM4)
-    return 1.1 * rounding_of(c);
-  const double exponential = 8.0 * (3.0 + 2.0 * errors->exponent) * 0x1p-25;
-  return (2.0 * rounding_of(c) + exponential) / (c->filter == CSM_FILTER_EVSM4 ? errors->negative : errors->exponent);
+    return 1.1 * once;
+  const double rising = warped_error(errors->exponent, 2.0 * once);
+  return c->filter == CSM_FILTER_EVSM4 ? fmax(rising, warped_error(errors->negative, 2.0 * once)) : rising;
 }
 
 /*

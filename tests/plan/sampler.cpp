@@ -338,6 +338,15 @@ float sampler_filter_spot(const sampler_spot *at) {
   return csm_filter(spot);
 }
 
+void sampler_in_texels(float out[2], int cascade, const float step[3]) {
+  csm_found found;
+  found.scale = shader::bound.constants[CSM_C_SCALES + cascade].xyz;
+  found.cascade = cascade;
+  const csm_float2 texels = csm_in_texels(found, vector(step), csm_rect(found).z * 0.5f);
+  out[0] = texels.x;
+  out[1] = texels.y;
+}
+
 float sampler_less_bleeding(float lit) {
   return csm_less_bleeding(lit);
 }

@@ -37,6 +37,8 @@ typedef struct sampler_spot {
   float place[2], depth, across[2], down[2], slope, texel, metre, room;
 } sampler_spot;
 float sampler_filter_spot(const sampler_spot *at);
+/* A step in light space, in the texels of a cascade's map. */
+void sampler_in_texels(float out[2], int cascade, const float step[3]);
 float sampler_less_bleeding(float lit);
 void sampler_poisson(float out[16][2]);
 
