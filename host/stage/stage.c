@@ -191,18 +191,19 @@ int stage_render(stage *s) {
   return exit_code(result);
 }
 
-static csm_result resolve_on(stage *s, csm_view *view, uint32_t show) {
+/* A mask of a single pixel is a frame of a view as any other. */
+static csm_result resolve_on(stage *s, csm_view *view, uint32_t show, bool pixel) {
   const csm_mask_info info = {.struct_size = sizeof info,
                               .flags = s->frame.flags,
                               .frame = &s->frame,
-                              .width = s->setup->width,
-                              .height = s->setup->height,
+                              .width = pixel ? 1 : s->setup->width,
+                              .height = pixel ? 1 : s->setup->height,
                               .show = show};
   return csm_resolve_mask(view, s->cascades, &info);
 }
 
 static csm_result resolve(stage *s, uint32_t show) {
-  return resolve_on(s, s->view, show);
+  return resolve_on(s, s->view, show, false);
 }
 
 int stage_draw(stage *s, stage_stats *stats) {
@@ -230,8 +231,7 @@ static void median_times(stage_stats *out, const stage_stats timed[TIMED_FRAMES]
   out->mask.camera_depth_gpu_ms =
       middle_of_three(a->mask.camera_depth_gpu_ms, b->mask.camera_depth_gpu_ms, c->mask.camera_depth_gpu_ms);
   out->mask.mask_gpu_ms = middle_of_three(a->mask.mask_gpu_ms, b->mask.mask_gpu_ms, c->mask.mask_gpu_ms);
-  out->mask.history_gpu_ms =
-      middle_of_three(a->mask.history_gpu_ms, b->mask.history_gpu_ms, c->mask.history_gpu_ms);
+  out->mask.history_gpu_ms = middle_of_three(a->mask.history_gpu_ms, b->mask.history_gpu_ms, c->mask.history_gpu_ms);
   for (uint32_t k = 0; k < out->maps.cascade_count; k++)
     out->maps.cascades[k].gpu_ms =
         middle_of_three(a->maps.cascades[k].gpu_ms, b->maps.cascades[k].gpu_ms, c->maps.cascades[k].gpu_ms);
@@ -329,13 +329,15 @@ int stage_mask(stage *s, const camera *from, float *mask, float *view_depth, flo
   return code == 0 && cascades ? stage_cascades(s, from, cascades) : code;
 }
 
-int stage_mask_alone(stage *s, const camera *from, float *mask) {
+int stage_mask_alone(stage *s, const camera *from, uint32_t frame, float *mask) {
   csm_view *view = NULL;
   s->frame.flags = 0;
   stage_look(s, from);
   csm_result result = csm_view_create(s->context, &view);
+  for (uint32_t i = 0; i < frame && result == CSM_SUCCESS; i++)
+    result = resolve_on(s, view, CSM_SHOW_VISIBILITY, true);
   if (result == CSM_SUCCESS)
-    result = resolve_on(s, view, CSM_SHOW_VISIBILITY);
+    result = resolve_on(s, view, CSM_SHOW_VISIBILITY, false);
   const csm_read_info info = {.struct_size = sizeof info,
                               .source = CSM_READ_MASK,
                               .view = view,
