@@ -338,8 +338,9 @@ double stage_maps_ms(const stage_stats *stats) {
   return sum;
 }
 
+/* Below 0 where there are none. */
 double stage_moments_ms(const stage_stats *stats) {
-  return stats->maps.moments_gpu_ms;
+  return fmax(stats->maps.moments_gpu_ms, 0.0);
 }
 
 double stage_mask_ms(const stage_stats *stats) {
@@ -347,7 +348,7 @@ double stage_mask_ms(const stage_stats *stats) {
 }
 
 double stage_history_ms(const stage_stats *stats) {
-  return stats->mask.history_gpu_ms;
+  return fmax(stats->mask.history_gpu_ms, 0.0);
 }
 
 double stage_shadows_ms(const stage_stats *stats) {
