@@ -144,20 +144,20 @@ def words(name, code):
 
 
 def key_of(source, index, values):
-    """Four bits for each axis, above them the source."""
+    """Five bits for each axis, above them the source."""
     key = index
     for value in values:
-        key = key << 4 | value
+        key = key << 5 | value
     return key
 
 
 def key_function(name, source, index):
     """What makes a key of the defines' values."""
     for axis in source["axes"]:
-        assert len(axis["values"]) <= 16, f"{source['file']}: {axis['name']} has more values than four bits tell apart"
+        assert len(axis["values"]) <= 32, f"{source['file']}: {axis['name']} has more values than five bits tell apart"
     parameters = ", ".join(f"int32_t {axis['name']}" for axis in source["axes"])
     lines = [f"static inline uint64_t shader_key_{name}({parameters}) {{", f"  uint64_t key = {index};"]
-    lines += [f"  key = key << 4 | ((uint32_t)({axis['name']} - ({axis.get('first', 0)})) & 15u);" for axis in source["axes"]]
+    lines += [f"  key = key << 5 | ((uint32_t)({axis['name']} - ({axis.get('first', 0)})) & 31u);" for axis in source["axes"]]
     return "\n".join([*lines, "  return key;", "}"])
 
 
@@ -254,12 +254,23 @@ def compile_dxbc(compiler, program, folder):
     return output.read_bytes()
 
 
+def still_true(root):
+    """The DXBC, by name, of programs whose text has not changed since it was made."""
+    if not (root / "dxbc/MANIFEST").is_file():
+        return {}
+    recorded, blobs = read_manifest(root), read_dxbc(root)
+    return {name: blobs[name] for name, program in shaders(root).items()
+            if name in recorded and digest(program.text().encode()) == recorded[name][0]
+            and digest(blobs.get(name, b"")) == recorded[name][1]}
+
+
 def make_dxbc(compiler, root):
     folder = root / "dxbc"
     folder.mkdir(exist_ok=True)
-    programs = shaders(root)
+    programs, made = shaders(root), still_true(root)
     with tempfile.TemporaryDirectory() as scratch, concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        blobs = list(pool.map(lambda program: compile_dxbc(compiler, program, pathlib.Path(scratch)), programs.values()))
+        make = lambda program: made.get(program.name) or compile_dxbc(compiler, program, pathlib.Path(scratch))
+        blobs = list(pool.map(make, programs.values()))
     for old in (*folder.glob("*.dxbc"), *folder.glob("archive")):
         old.unlink()
     archived = bool(table_of(root))
@@ -271,7 +282,7 @@ def make_dxbc(compiler, root):
     lines = (f"{program.name} {digest(program.text().encode())} {digest(blob)}{f' {len(blob)}' if archived else ''}\n"
              for program, blob in zip(programs.values(), blobs))
     (folder / "MANIFEST").write_text("".join(lines))
-    print(f"{root.name}/dxbc: {len(blobs)} programs, {sum(map(len, blobs))} bytes")
+    print(f"{root.name}/dxbc: {len(blobs)} programs, {len(made)} of them as they were, {sum(map(len, blobs))} bytes")
 
 
 def words_header(out_h, *paths):

@@ -37,6 +37,11 @@ float main(mask_inputs pixel) : SV_Target
 #endif
     csm_receiver receiver = csm_receiver_of(at, normal, light_view_depth(at));
     receiver.doubt = normal_doubt(place, depth);
+#if MASK_MOMENTS
+    float2 steps = depth_steps(place, depth);
+    receiver.across = light_position(float2(place.x + 1.0, place.y), depth + steps.x) - at;
+    receiver.down = light_position(float2(place.x, place.y + 1.0), depth + steps.y) - at;
+#endif
     float lit = csm_visibility_of(receiver);
     return depth == mask_c[CSM_M_CLEAR].x ? 1.0 : lit;
 }

@@ -26,7 +26,8 @@ csm_result CSM_CALL csm_bind(csm_cascades *cascades, csm_binding *out) {
                          .cascade_constants_size = sizeof planned->constants.cascades,
                          .setting_constants_size = sizeof planned->constants.settings,
                          .maps_descriptor = given.maps_descriptor,
-                         .mask_descriptor = given.mask_descriptor};
+                         .mask_descriptor = given.mask_descriptor,
+                         .moments_descriptor = given.moments_descriptor};
   memcpy(binding.origin, plan->origin, sizeof binding.origin);
   for (uint32_t i = 0; i < plan->cascade_count; ++i) {
     binding.cascades[i] = plan->cascades[i].info;

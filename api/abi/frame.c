@@ -82,6 +82,7 @@ static csm_result make_plan(csm_cascades *cascades, const frame_input *input, pl
                                 .view = input->camera.view,
                                 .projection = input->camera.projection,
                                 .light = input->light.direction,
+                                .light_diameter = input->light.angular_diameter,
                                 .reversed = input->camera.reversed,
                                 .light_layers = input->light.layers,
                                 .others_cast = frame->draw != NULL,

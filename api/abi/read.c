@@ -3,10 +3,14 @@
 
 #include <string.h>
 
+static bool of_cascades(const csm_read_info *info) {
+  return info->source == CSM_READ_MAP || info->source == CSM_READ_MOMENTS;
+}
+
 static csm_result check_owner(csm_context *context, const csm_read_info *info) {
   host *host = &context->host;
-  const bool map = info->source == CSM_READ_MAP;
-  if (info->source > CSM_READ_VIEW_DEPTH)
+  const bool map = of_cascades(info);
+  if (info->source > CSM_READ_MOMENTS)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_read_info: there is no source %u", info->source);
   if (info->reserved)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_read_info: reserved is %u, not 0", info->reserved);
@@ -25,12 +29,14 @@ static csm_result find_source(csm_context *context, const csm_read_info *info, t
   csm_result result = check_owner(context, info);
   if (result)
     return result;
-  const bool map = info->source == CSM_READ_MAP;
+  const bool map = of_cascades(info);
   result = map ? cascades_drawn(info->cascades) : CSM_SUCCESS;
   if (result)
     return result;
   result =
       technique_set_find(map ? &info->cascades->techniques : &info->view->techniques, info->source, info->cascade, out);
+  if (map && result)
+    return host_fail(&context->host, CSM_ERROR_INVALID_STATE, "the configured filter reads no moments");
   return result ? host_fail(&context->host, CSM_ERROR_INVALID_STATE, "no mask has been resolved yet") : CSM_SUCCESS;
 }
 

@@ -35,6 +35,16 @@ double plan_filter_reach_texels(const csm_config *config) {
     return 0.5;
   case CSM_FILTER_GRID_17:
     return 1.5;
+  case CSM_FILTER_VSM:
+  case CSM_FILTER_ESM:
+  case CSM_FILTER_EVSM2:
+  case CSM_FILTER_EVSM4:
+  case CSM_FILTER_MSM4:
+    return (config->moment_blur_texels + 1.0) * (config->moment_halved ? 2.0 : 1.0);
+  case CSM_FILTER_PCSS:
+  case CSM_FILTER_VSSM:
+  case CSM_FILTER_BACKPROJECTION:
+    return config->soft_radius_max_texels + 1.0;
   case CSM_FILTER_POISSON:
   case CSM_FILTER_VOGEL:
     return config->filter_radius_texels + 1.0;

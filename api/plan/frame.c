@@ -86,6 +86,7 @@ static csm_result fit_frame(plan_frame *frame, plan_fit *fits, const plan_frame_
   result = fit_cascades(frame, fits, &to, error);
   if (frame->unshadowed && info->before) /* what was fitted waits until there are shadows again */
     frame->history = *info->before;
+  frame->light_diameter = info->light_diameter;
   frame->history.has_light = true;
   memcpy(frame->history.light, light, sizeof light);
   memcpy(frame->history.basis, frame->basis, sizeof frame->basis);

@@ -22,6 +22,14 @@ bool plan_normalize(double v[3]);
 bool plan_within(const double *values, uint32_t count, double most);
 
 /* ---- configurations ---- */
+/* A field of csm_config, and what is said of it where it is wrong. */
+typedef struct plan_config_entry {
+  csm_config_field field;
+  const char *not_finite, *out_of_range;
+} plan_config_entry;
+
+/* NULL past the last one. */
+const plan_config_entry *plan_config_entry_at(uint32_t index);
 /* Whether a field's numbers are doubles, and not whole ones. */
 bool plan_is_double(const csm_config_field *field);
 
@@ -69,6 +77,10 @@ static inline double plan_reach(const plan_placed *box, const double direction[3
 double plan_view_side(const plan_camera *camera);
 /* Inverse of the view's rotation, column-major 3 x 3. */
 void plan_view_rotation_inverse(double out[9], const double view[16]);
+
+/* ---- moments ---- */
+/* The largest c that moments of exp(c z) may have; `squared`: their second moments too. */
+double plan_moment_exponent_most(const csm_config *config, bool squared);
 
 /* ---- light ---- */
 /*

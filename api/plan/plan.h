@@ -53,6 +53,9 @@ csm_result plan_config_check(const csm_config *config, const char **error);
 /* Describes field `index` of csm_config; NULL past the last one. */
 const csm_config_field *plan_config_field(uint32_t index);
 void plan_config_default(csm_config *config);
+/* Whether the configured filter reads moments of the maps' depths, or looks at the size of the light. */
+bool plan_has_moments(const csm_config *config);
+bool plan_is_soft(const csm_config *config);
 /* Texels around a sample that the configured filter may read. */
 uint32_t plan_filter_radius_texels(const csm_config *config);
 /* The side of a cascade's map, in texels. */
@@ -70,6 +73,17 @@ typedef struct plan_layout {
 
 /* Lays out the maps of a checked configuration. */
 void plan_layout_make(plan_layout *out, const csm_config *config);
+
+/* The image of a configuration's moments: an array, whose layer cascade * depth_layers + k holds slice k of a cascade's
+   depth range in its top left corner. */
+typedef struct plan_moments {
+  uint32_t channels, depth_layers, levels;
+  uint32_t side;                    /* of the image */
+  uint32_t sides[CSM_MAX_CASCADES]; /* of each cascade's corner */
+} plan_moments;
+
+/* Precondition: plan_has_moments. */
+void plan_moments_make(plan_moments *out, const csm_config *config);
 
 /* ---- a scene ---- */
 /* Numbers of a transform, and places in the world, may be so large, in metres. */
@@ -223,6 +237,7 @@ typedef struct plan_frame {
    */
   double origin[3];
   double basis[9];
+  double light_diameter; /* radians */
   uint32_t cascade_count;
   double shadow_end; /* view depth in metres where shadows end; depth samples may end the last cascade before */
   bool unshadowed;   /* the near plane is at or beyond the end of shadows: nothing is drawn, and no point is in a map */
@@ -251,6 +266,7 @@ size_t plan_cache_size(uint32_t slot_count);
 typedef struct plan_frame_info {
   const csm_config *config;
   const double *view, *projection, *light; /* 16, 16 and 3 */
+  double light_diameter;                   /* radians */
   uint32_t reversed;                       /* CSM_REVERSED_* */
   uint32_t light_layers;                   /* instances of other layers cast nothing; 0: all */
   bool others_cast;                        /* the engine draws casters into the maps that no instance tells of */

@@ -91,6 +91,28 @@ static void put_bias(float *out, const csm_config *config) {
       plan_filter_least_share(config), 0.0);
 }
 
+static void put_moments(float *out, const csm_config *config) {
+  const bool squared = config->filter != CSM_FILTER_ESM;
+  const double most = plan_moment_exponent_most(config, squared), deviation = 2.0 * config->moment_deviation_range;
+  plan_moments moments = {.levels = 1, .side = 1};
+  if (plan_has_moments(config))
+    plan_moments_make(&moments, config);
+  put(out, CSM_S_MOMENTS, fmin(config->moment_exponent, most), fmin(config->moment_exponent_negative, most),
+      config->moment_bias, config->moment_layers);
+  put(out, CSM_S_VARIANCE, deviation * deviation, config->moment_deviation_m, config->moment_deviation_slope,
+      1.0 / (moments.side << config->moment_halved));
+  put(out, CSM_S_BLEEDING, config->bleeding_reduction, 1.0 / (1.0 - config->bleeding_reduction), config->bleeding_power,
+      config->bleeding_curve);
+  put(out, CSM_S_LEVELS, moments.levels - 1.0, config->moment_sampling, config->moment_anisotropy,
+      config->moment_halved ? 0.5 : 1.0);
+}
+
+static void put_soft(float *out, const plan_frame *frame, const csm_config *config) {
+  put(out, CSM_S_SOFT, tan(0.5 * frame->light_diameter), config->soft_search_taps, config->soft_taps,
+      config->soft_radius_max_texels);
+  put(out, CSM_S_SOFT_MORE, config->soft_penumbra, config->soft_light_range, config->soft_radius_least_texels, 0.0);
+}
+
 static void put_settings(float *out, const plan_frame *frame, const csm_config *config) {
   const double end = frame->shadow_end, fade = config->fade_share * end;
   put_bias(out, config);
@@ -100,6 +122,8 @@ static void put_settings(float *out, const plan_frame *frame, const csm_config *
       frame->cascades[0].info.near_depth);
   put(out, CSM_S_OPTIONS, config->bias_mode, config->filter_early_out, config->map_reversed ? -1.0 : 1.0,
       config->map_reversed ? 0.0 : 1.0);
+  put_moments(out, config);
+  put_soft(out, frame, config);
 }
 
 /*
@@ -218,7 +242,8 @@ static plan_grain normal_rounding(const plan_frame *frame, const plan_picture *p
   const double *along = &frame->basis[6];
   const plan_grain r = picture->rounding;
   const double decode = picture->unorm_normals ? 2.0 : 1.0, sum = fabs(along[0]) + fabs(along[1]) + fabs(along[2]);
-  return picture->normals ? (plan_grain){r.share, decode * sum * r.step} : (plan_grain){2.0 * r.share + 6.0 * 0x1p-24, 2.0 * r.step};
+  return picture->normals ? (plan_grain){r.share, decode * sum * r.step}
+                          : (plan_grain){2.0 * r.share + 6.0 * 0x1p-24, 2.0 * r.step};
 }
 
 uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_picture *picture,

@@ -5,8 +5,9 @@
 #include "techniques/depth_samples/depth_samples.h"
 #include "techniques/maps/maps.h"
 #include "techniques/mask/mask.h"
+#include "techniques/moments/moments.h"
 
-static const technique *const of_cascades[] = {&technique_maps};
+static const technique *const of_cascades[] = {&technique_maps, &technique_moments};
 static const technique *const of_views[] = {&technique_camera_depth, &technique_mask, &technique_depth_samples};
 
 enum {

@@ -37,7 +37,13 @@
 #define CSM_S_OPTIONS 53 /* bias mode, early out, 1 or -1 if maps are reversed, an empty map's depth times that */
 #define CSM_S_WEIGHTS 54 /* four: weights of taps along an axis, from the middle outwards */
 #define CSM_S_OWN 58     /* slope max of a receiver's own surface, the filter's reach in texels, least share that says it */
-#define CSM_C_COUNT 59
+#define CSM_S_MOMENTS 59   /* exponent, negative exponent, moment bias, layers of depth */
+#define CSM_S_VARIANCE 60  /* least variance of z (-1 to 1) by range and format; deviation in m, in texels of slope; 1 / side in map's texels */
+#define CSM_S_BLEEDING 61  /* reduction, 1 / (1 - reduction), power, curve */
+#define CSM_S_LEVELS 62    /* highest level, sampling, most samples, texels of moments for one of the map */
+#define CSM_S_SOFT 63      /* tangent of half the light's diameter, search taps, taps, most texels around */
+#define CSM_S_SOFT_MORE 64 /* penumbra, light's size as a share of a map, least texels around, the pattern's phase */
+#define CSM_C_COUNT 65
 
 /*
  * The mask pass's own block. A pixel's place is (x, y, depth, 1): x and y in pixels, the depth as in the camera's depth
@@ -80,6 +86,12 @@ typedef struct csm_settings_block {
   float options[4];
   float weights[16];
   float own[4];
+  float moments[4];
+  float variance[4];
+  float bleeding[4];
+  float levels[4];
+  float soft[4];
+  float soft_more[4];
 } csm_settings_block;
 
 /* Both, one after the other. */
@@ -112,6 +124,12 @@ CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, kernel) == (CSM_S_KERNEL - CSM
 CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, options) == (CSM_S_OPTIONS - CSM_S_BEGIN) * 16);
 CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, weights) == (CSM_S_WEIGHTS - CSM_S_BEGIN) * 16);
 CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, own) == (CSM_S_OWN - CSM_S_BEGIN) * 16);
+CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, moments) == (CSM_S_MOMENTS - CSM_S_BEGIN) * 16);
+CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, variance) == (CSM_S_VARIANCE - CSM_S_BEGIN) * 16);
+CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, bleeding) == (CSM_S_BLEEDING - CSM_S_BEGIN) * 16);
+CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, levels) == (CSM_S_LEVELS - CSM_S_BEGIN) * 16);
+CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, soft) == (CSM_S_SOFT - CSM_S_BEGIN) * 16);
+CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, soft_more) == (CSM_S_SOFT_MORE - CSM_S_BEGIN) * 16);
 CSM_CONSTANTS_ASSERT(offsetof(csm_constants, settings) == CSM_S_BEGIN * 16);
 CSM_CONSTANTS_ASSERT(sizeof(csm_constants) == CSM_C_COUNT * 16);
 #undef CSM_CONSTANTS_ASSERT

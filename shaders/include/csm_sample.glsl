@@ -17,6 +17,9 @@
 //   CSM_DEPTHS       a sampler2DArray of the same maps, point and clamped: faster, and needed for filter linear_depth,
 //                    which through comparisons alone gives the bilinear comparison
 //   CSM_DEPTH_ONLY   1: there is no sampler that compares, and no CSM_MAPS: all is read through CSM_DEPTHS
+//   CSM_MOMENTS      a sampler2DArray, the moments with a sampler that is linear, also between levels, and clamped, for
+//                    filters that read them (csm_moments, where a define fixes such a filter); without it those give one
+//                    bilinear comparison
 //   CSM_COMPARE(uv, layer, reference)   a bilinear comparison of the includer's own, to read through instead
 //   CSM_TEXEL_LIT(texel, layer, reference)   the comparison with one texel, by its index: 1 or 0, likewise
 //
@@ -89,6 +92,16 @@
 #define CSM_TEXEL_LIT(texel, layer, reference)                                                                         \
     CSM_COMPARE((texel + 0.5) * CSM_CONSTANT(CSM_C_PARAMS).zw, layer, reference)
 #endif
+#endif
+#if defined(CSM_FILTER) && !defined(CSM_MOMENTS)
+#if (CSM_FILTER >= CSM_FILTER_VSM && CSM_FILTER <= CSM_FILTER_MSM4) || CSM_FILTER == CSM_FILTER_VSSM
+#define CSM_MOMENTS csm_moments
+#endif
+#endif
+#ifdef CSM_MOMENTS
+// At a place in texels of the map's corner, from its top left corner on.
+#define CSM_MOMENTS_AT(texel, layer, level)                                                                            \
+    textureLod(CSM_MOMENTS, vec3((texel) * CSM_CONSTANT(CSM_S_VARIANCE).w, layer), level)
 #endif
 #define csm_float2 vec2
 #define csm_float3 vec3

@@ -14,6 +14,9 @@
 //                    inclusions, all but the last have one
 //   CSM_MAPS         the maps (csm_maps)
 //   CSM_POINT        a sampler, point and clamped: four texels are gathered at once then, which is faster
+//   CSM_MOMENTS      a Texture2DArray<float4>, the moments, for filters that read them (csm_moments, where a define fixes
+//                    such a filter); without it those give one bilinear comparison
+//   CSM_LINEAR       a sampler for it: linear, also between levels, clamped (csm_linear)
 //   CSM_COMPARE(uv, layer, reference)   a bilinear comparison of the includer's own, to read through instead
 //   CSM_TEXEL_LIT(texel, layer, reference)   the comparison with one texel, by its index: 1 or 0, likewise
 // No sampler that compares is needed, unless CSM_COMPARE has one: filter linear_depth gives the bilinear comparison there.
@@ -69,6 +72,19 @@
     float4(CSM_DEPTH(texel, layer), CSM_DEPTH((texel + float2(1.0, 0.0)), layer),                                      \
            CSM_DEPTH((texel + float2(0.0, 1.0)), layer), CSM_DEPTH((texel + 1.0), layer))
 #endif
+#endif
+#if defined(CSM_FILTER) && !defined(CSM_MOMENTS)
+#if (CSM_FILTER >= CSM_FILTER_VSM && CSM_FILTER <= CSM_FILTER_MSM4) || CSM_FILTER == CSM_FILTER_VSSM
+#define CSM_MOMENTS csm_moments
+#endif
+#endif
+#ifdef CSM_MOMENTS
+#ifndef CSM_LINEAR
+#define CSM_LINEAR csm_linear
+#endif
+// At a place in texels of the map's corner, from its top left corner on.
+#define CSM_MOMENTS_AT(texel, layer, level)                                                                            \
+    CSM_MOMENTS.SampleLevel(CSM_LINEAR, float3((texel) * CSM_CONSTANT(CSM_S_VARIANCE).w, layer), level)
 #endif
 #define csm_float2 float2
 #define csm_float3 float3

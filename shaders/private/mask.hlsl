@@ -22,7 +22,14 @@ cbuffer mask_block : register(b1)
 };
 Texture2DArray<float> csm_maps : register(t0);
 Texture2D<float> camera_depth : register(t1);
-#if MASK_NORMALS
+#if (CSM_FILTER >= CSM_FILTER_VSM && CSM_FILTER <= CSM_FILTER_MSM4) || CSM_FILTER == CSM_FILTER_VSSM
+#define MASK_MOMENTS 1
+Texture2DArray<float4> csm_moments : register(t2);
+SamplerState csm_linear : register(s1);
+#endif
+#if MASK_NORMALS && MASK_MOMENTS
+Texture2D<float4> normals : register(t3);
+#elif MASK_NORMALS
 Texture2D<float4> normals : register(t2);
 #endif
 SamplerState csm_point : register(s0);

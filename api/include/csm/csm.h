@@ -381,7 +381,7 @@ typedef struct csm_light {
   uint32_t layers;         /* bits: which instances cast for it. 0: all */
   double direction[3];     /* of travel; any length but 0 */
   double angular_diameter; /* radians, 0 to 1, as seen from the ground: 0.00925 for the sun. 0: a point at infinity.
-                              Hard shadows do not read it. */
+                              Filters pcss, vssm and backprojection read it. */
 } csm_light;
 
 /* What a draw callback draws into: known before the first frame, so that pipelines can be built. */
@@ -489,6 +489,9 @@ typedef struct csm_mask_info {
                                integers from 0 for -1 to the largest for 1; NULL takes them from the depth */
   uint32_t show;            /* CSM_SHOW_* */
   uint32_t reserved;        /* 0 */
+  const void *motion;       /* engine's device: where the surface of each pixel was in the view's picture before, less
+                               where it is now, as shares of the picture's width and height, right and down; an image
+                               of two floats, of this size. NULL: it has not moved. Read with csm_config.history */
 } csm_mask_info;
 
 /*
@@ -531,6 +534,10 @@ typedef struct csm_binding {
   uint64_t native_mask_view;       /* Vulkan: VkImageView, 2D; D3D12: 0 */
   uint64_t maps_descriptor;        /* in, D3D12: D3D12_CPU_DESCRIPTOR_HANDLE.ptr that gets a view of the maps; or 0 */
   uint64_t mask_descriptor;        /* in, D3D12: likewise of the mask, if there is one */
+  uint64_t native_moments;         /* as native_maps, the array of moments; 0 with a filter that reads none */
+  uint64_t native_moments_view;    /* Vulkan: VkImageView, 2D array of all levels; D3D12: 0 */
+  uint64_t native_moments_sampler; /* Vulkan: VkSampler: linear, also between levels, clamped; D3D12: 0 */
+  uint64_t moments_descriptor;     /* in, D3D12: as maps_descriptor, of the moments, if there are any */
 } csm_binding;
 
 /*
@@ -546,18 +553,19 @@ enum {
   CSM_READ_CAMERA_DEPTH =
       2,                  /* that csm drew for the mask: clip depth by the frame's projection, as its own depth buffer
                                 would hold it; 1 where nothing is, or, if depth is reversed, 0 */
-  CSM_READ_VIEW_DEPTH = 3 /* the same as view depth in metres, which loses nothing; INFINITY where nothing is */
+  CSM_READ_VIEW_DEPTH = 3, /* the same as view depth in metres, which loses nothing; INFINITY where nothing is */
+  CSM_READ_MOMENTS = 4     /* of a cascade: 1 (ESM), 2 or 4 floats a texel; layers of depth one after the other */
 };
 
 typedef struct csm_read_info {
   uint32_t struct_size;
   uint32_t source;        /* CSM_READ_* */
-  csm_cascades *cascades; /* CSM_READ_MAP: whose */
+  csm_cascades *cascades; /* CSM_READ_MAP, CSM_READ_MOMENTS: whose */
   csm_view *view;         /* else: whose */
-  uint32_t cascade;       /* CSM_READ_MAP: which */
+  uint32_t cascade;       /* CSM_READ_MAP, CSM_READ_MOMENTS: which */
   uint32_t reserved;      /* 0 */
-  float *data;            /* receives one float a texel, top row first, without gaps */
-  uint64_t size;          /* bytes at data; exactly width * height * 4 */
+  float *data;            /* receives one float a texel, or all of its moments; top row first, without gaps */
+  uint64_t size;          /* bytes at data; exactly width * height * 4, times the moments of a texel */
 } csm_read_info;
 
 /*
@@ -591,6 +599,8 @@ typedef struct csm_stats {
   uint32_t instances;         /* that the last frame's scene or list held */
   uint32_t instances_changed; /* that came, moved, changed or went since these cascades' frame before; of a list, or of
                                  another scene than before, all */
+  double moments_gpu_ms;      /* as csm_cascade_stats.gpu_ms: making and blurring moments */
+  uint64_t moment_bytes;      /* device memory of the moments of these cascades' maps, and of what they are blurred in */
 } csm_stats;
 
 /*
@@ -604,7 +614,9 @@ typedef struct csm_view_stats {
   uint32_t width, height; /* of the last mask, in pixels; 0 before the first */
   uint32_t reserved;
   double camera_depth_gpu_ms, mask_gpu_ms; /* as csm_cascade_stats.gpu_ms */
-  uint64_t bytes;                          /* device memory of mask, own camera depth and depth samples */
+  uint64_t bytes;                          /* device memory of mask, own camera depth, depth samples and history */
+  double history_gpu_ms;                   /* as csm_cascade_stats.gpu_ms */
+  uint64_t history_bytes;                  /* of `bytes`, those of the history */
 } csm_view_stats;
 
 /* The same of a view's last csm_resolve_mask. Errors: NULL_POINTER, STRUCT_SIZE, DEVICE_LOST, DEVICE.

@@ -32,7 +32,17 @@ enum {
   CSM_FILTER_PCF_N = 6,   /* filter_taps a side */
   CSM_FILTER_POISSON = 7, /* 16 bilinear comparisons on a disc of filter_radius_texels, turned per place in the world */
   CSM_FILTER_VOGEL = 8,   /* filter_taps of them, on a spiral */
-  CSM_FILTER_GRID_17 = 9  /* 17 single texels, half a texel and a texel around the sample */
+  CSM_FILTER_GRID_17 = 9, /* 17 single texels, half a texel and a texel around the sample */
+  /* Of moments of the depth, which are blurred before they are read. */
+  CSM_FILTER_VSM = 10,   /* two: variance shadow maps */
+  CSM_FILTER_ESM = 11,   /* one, of an exponential */
+  CSM_FILTER_EVSM2 = 12, /* two, of an exponential */
+  CSM_FILTER_EVSM4 = 13, /* four: two each of a rising and a falling exponential */
+  CSM_FILTER_MSM4 = 14,  /* four: moment shadow maps */
+  /* Of a light that has a size: the penumbra grows with the distance to what shadows. */
+  CSM_FILTER_PCSS = 15,          /* percentage-closer soft shadows: a search for blockers, then soft_taps comparisons */
+  CSM_FILTER_VSSM = 16,          /* variance soft shadow mapping: the same of two moments */
+  CSM_FILTER_BACKPROJECTION = 17 /* what the texels around the sample hide of the light's disc */
 };
 enum { CSM_WEIGHTS_UNIFORM = 0, CSM_WEIGHTS_GAUSSIAN = 1, CSM_WEIGHTS_CASTANO = 2 };
 enum { CSM_BIAS_SLOPE = 0, CSM_BIAS_RECEIVER_PLANE = 1 };
@@ -62,6 +72,12 @@ enum { CSM_CASTER_SET_MAP = 0, CSM_CASTER_SET_VIEW = 1 };
 enum { CSM_FACE_CULLING_NONE = 0, CSM_FACE_CULLING_FRONT = 1, CSM_FACE_CULLING_BACK = 2 };
 enum { CSM_LAYOUT_ARRAY = 0, CSM_LAYOUT_ATLAS = 1 };
 enum { CSM_MAP_D32 = 0, CSM_MAP_D16 = 1 };
+enum { CSM_MOMENTS_FLOAT32 = 0, CSM_MOMENTS_FLOAT16 = 1 };
+enum { CSM_BLUR_BOX = 0, CSM_BLUR_GAUSSIAN = 1 };
+enum { CSM_SAMPLING_BILINEAR = 0, CSM_SAMPLING_TRILINEAR = 1, CSM_SAMPLING_ANISOTROPIC = 2 };
+enum { CSM_BLEEDING_LINEAR = 0, CSM_BLEEDING_SMOOTHSTEP = 1 };
+enum { CSM_PENUMBRA_LIGHT = 0, CSM_PENUMBRA_RATIO = 1 };
+enum { CSM_HISTORY_OFF = 0, CSM_HISTORY_ON = 1 };
 
 /*
  * A configuration of cascades, field by field in themes. csm_config_describe gives the unit, range and default of every
@@ -144,6 +160,43 @@ typedef struct csm_config {
   /* Bias of receiver_plane, under a low sun. */
   double bias_plane_max; /* slope (tangent) up to which a receiver's plane is told from what shadows it; as
                             bias_slope_max where that is more */
+
+  /* Moments: what filters vsm to msm4 and vssm read instead of depths. */
+  uint32_t moment_format;      /* CSM_MOMENTS_* */
+  uint32_t moment_layers;      /* VSM: slices of the depth range, each with moments of its own; 1 to 4 */
+  uint32_t moment_blur;        /* CSM_BLUR_* */
+  uint32_t moment_blur_texels; /* radius of the blur, in the moments' own texels: 0 (none) to 32 */
+  uint32_t moment_levels;      /* mip levels, 1 to 12, and as many as a map has */
+  uint32_t moment_sampling;    /* CSM_SAMPLING_* */
+  uint32_t moment_anisotropy;  /* CSM_SAMPLING_ANISOTROPIC: at most so many samples, 1 to 16 */
+  uint32_t moment_halved;      /* 1: moments have half as many texels a side as the map */
+  double moment_exponent;          /* ESM, EVSM2, EVSM4: c of exp(c z), z from -1 to 1 over the depth range; at most what
+                                      moment_format holds */
+  double moment_exponent_negative; /* EVSM4: c of -exp(-c z), likewise */
+  double moment_bias;              /* share by which moments become those of depths that are spread out */
+  double moment_deviation_range;   /* least standard deviation of depths, as a share of the depth range */
+  double moment_deviation_m;       /* and in metres */
+  double moment_deviation_slope;   /* and in texels' widths, for each unit of the receiver's slope */
+  uint32_t bleeding_curve;         /* CSM_BLEEDING_*: how visibility is stretched above bleeding_reduction */
+  uint32_t reserved_moments;       /* 0 */
+  double bleeding_reduction;       /* visibility up to this is taken for shadow; 0 to 0.99 */
+  double bleeding_power;           /* and what is above is raised to this; 1 to 16 */
+
+  /* Soft shadows: filters pcss, vssm and backprojection. The size of the light is csm_light.angular_diameter. */
+  uint32_t soft_penumbra;          /* CSM_PENUMBRA_*: its width from the light's size and metres, or, for a textbook's,
+                                      from soft_light_range and the ratio of two depths */
+  uint32_t soft_search_taps;       /* PCSS, VSSM: texels that are searched for blockers, 1 to 64 */
+  uint32_t soft_taps;              /* comparisons, or points of the light's disc, 1 to 64 */
+  uint32_t reserved_soft;          /* 0 */
+  double soft_radius_max_texels;   /* search and filter reach no farther than this */
+  double soft_radius_least_texels; /* and the filter no less */
+  double soft_light_range;         /* CSM_PENUMBRA_RATIO: the light's size as a share of the map's width */
+
+  /* History: what a view keeps of its earlier masks. */
+  uint32_t history;          /* CSM_HISTORY_* */
+  uint32_t history_frames;   /* a pixel is the mean of so many frames at most, 1 to 64 */
+  double history_depth;      /* a pixel's history counts where its surface lies as deep, to this share of its depth */
+  double history_normal_deg; /* and is turned by no more than this, in degrees */
 } csm_config;
 
 enum { CSM_FIELD_UINT = 0, CSM_FIELD_DOUBLE = 1, CSM_FIELD_ENUM = 2, CSM_FIELD_DOUBLES = 3, CSM_FIELD_UINTS = 4 };

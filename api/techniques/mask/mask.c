@@ -6,6 +6,7 @@
 #include "techniques/inputs.h"
 #include "techniques/maps/maps.h"
 #include "techniques/mask/mask_programs.h"
+#include "techniques/moments/moments.h"
 
 #include <string.h>
 
@@ -15,7 +16,7 @@ _Static_assert(CSM_M_COUNT * 4 * sizeof(float) <= MASK_CAMERA_BLOCK, "MASK_CAMER
 
 typedef struct mask_state {
   drawn_images mask;
-  inputs inputs[2]; /* without and with normals */
+  inputs inputs[2][3]; /* without and with normals; moments: none, of one level, of more */
   double gpu_ms;
   bool measured;
   /* of the recording on its way */
@@ -64,6 +65,8 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
     result = mask_program(device, run->config, normals.image, shows, &state->program);
   if (result)
     return result;
+  gpu_image *moments = shows ? NULL : moments_image(run->cascades, run->config);
+  const uint32_t levels = !moments ? 0 : run->config->moment_levels > 1 ? 2 : 1;
   state->normals = normals.image != NULL;
   state->unorm_normals = normals.unorm;
   state->rounding = state->normals ? normals.rounding : picture->depth_rounding;
@@ -71,9 +74,10 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
       .name = "mask",
       .program = state->program,
       .constants = {ring->buffer, ring->buffer},
-      .textures = {maps_image(run->cascades), picture->depth, normals.image},
+      .textures = {maps_image(run->cascades), picture->depth, moments ? moments : normals.image,
+                   moments ? normals.image : NULL},
   };
-  return inputs_find(&state->inputs[normals.image != NULL], device, &reads, &state->input);
+  return inputs_find(&state->inputs[state->normals][levels], device, &reads, &state->input);
 }
 
 static void write(void *self, const technique_run *run) {
@@ -105,7 +109,8 @@ static void drop(void *self, device *device) {
   recording_forget_timing(device, state);
   drawn_image_drop(&state->mask, device);
   for (int normals = 0; normals < 2; ++normals)
-    inputs_drop(&state->inputs[normals], device);
+    for (int levels = 0; levels < 3; ++levels)
+      inputs_drop(&state->inputs[normals][levels], device);
   state->measured = false;
 }
 

@@ -10,6 +10,7 @@ enum { BIAS_AS_CONFIGURED = -1, PLAIN = 0, GENERAL = 1, PLAIN_CASCADES = 4 };
 typedef struct mask_key {
   uint64_t variant; /* of mask.ps.hlsl; 0: what shows something else than visibility */
   uint64_t normals;
+  uint64_t moments; /* how many levels of them are read: none, one, or more */
 } mask_key;
 
 /* Whether the programs do that leave out what few configurations ask for. */
@@ -21,8 +22,9 @@ static bool is_plain(const csm_config *config) {
 
 static uint64_t variant_of(const csm_config *config, bool normals) {
   const bool early = config->filter_early_out;
-  return shader_key_mask((int32_t)config->filter, early ? BIAS_AS_CONFIGURED : (int32_t)config->bias_mode, early,
-                         normals, is_plain(config) ? PLAIN : GENERAL);
+  const int32_t bias = plan_has_moments(config) ? CSM_BIAS_RECEIVER_PLANE : (int32_t)config->bias_mode;
+  return shader_key_mask((int32_t)config->filter, early ? BIAS_AS_CONFIGURED : bias, early, normals,
+                         is_plain(config) ? PLAIN : GENERAL);
 }
 
 static csm_result make(gpu gpu, const void *about, gpu_program **out) {
@@ -33,9 +35,9 @@ static csm_result make(gpu gpu, const void *about, gpu_program **out) {
       .pixel = key->variant ? *shader_find(key->variant) : shader_mask_view_ps,
       .constants_count = 2,
       .constants_sizes = {MASK_CASCADES_BLOCK, MASK_CAMERA_BLOCK},
-      .texture_count = key->normals ? 3 : 2,
-      .sampler_count = 1,
-      .samplers = {GPU_SAMPLER_POINT_CLAMP},
+      .texture_count = 2 + (key->moments > 0) + (key->normals > 0),
+      .sampler_count = key->moments ? 2 : 1,
+      .samplers = {GPU_SAMPLER_POINT_CLAMP, key->moments > 1 ? GPU_SAMPLER_TRILINEAR_CLAMP : GPU_SAMPLER_LINEAR_CLAMP},
       .color_format = GPU_FORMAT_R8_UNORM,
       .cull = GPU_CULL_NONE,
   };
@@ -43,7 +45,12 @@ static csm_result make(gpu gpu, const void *about, gpu_program **out) {
 }
 
 static mask_key key_of(const csm_config *config, bool normals, bool shows) {
-  return (mask_key){.variant = shows ? 0 : variant_of(config, normals), .normals = normals && !shows};
+  const bool moments = plan_has_moments(config) && !shows;
+  return (mask_key){.variant = shows ? 0 : variant_of(config, normals),
+                    .normals = normals && !shows,
+                    .moments = !moments                    ? 0
+                               : config->moment_levels > 1 ? 2
+                                                           : 1};
 }
 
 csm_result mask_program_create(gpu gpu, const csm_config *config, bool normals, bool shows, gpu_program **out) {

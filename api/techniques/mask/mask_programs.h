@@ -5,7 +5,7 @@
 #include "device/device.h"
 
 /* Bytes of the constants that a mask's program sees: the cascades' two blocks, and its camera's. */
-enum { MASK_CASCADES_BLOCK = 1024, MASK_CAMERA_BLOCK = 256 };
+enum { MASK_CASCADES_BLOCK = 1280, MASK_CAMERA_BLOCK = 256 };
 
 /* The program that a configuration's masks are drawn with; `shows` is a picture of something else than visibility. */
 csm_result mask_program_create(gpu gpu, const csm_config *config, bool normals, bool shows, gpu_program **out);
