@@ -159,8 +159,11 @@ static csm_config config_of(const trial *t) {
   config.moment_blur_texels = t->radius;
   config.moment_halved = t->halved;
   config.moment_layers = t->layers ? t->layers : 1;
-  config.moment_exponent = t->exponent;
-  config.moment_exponent_negative = t->negative;
+  config.moment_levels = t->filter == CSM_FILTER_VSSM ? 3 : 1; /* it needs some */
+  if (t->exponent > 0)
+    config.moment_exponent = t->exponent;
+  if (t->negative > 0)
+    config.moment_exponent_negative = t->negative;
   config.map_reversed = t->reversed;
   config.map_format = t->map_format;
   config.map_layout = t->layout;
