@@ -321,10 +321,99 @@ static void moments_are_numbers(void **state) {
     }
 }
 
+/* ---- what is left out ---- */
+
+static float *mask_of(drawn *d, csm_view *view) {
+  assert_int_equal(shot_resolve(&d->scene.shot, view, d->cascades, 160, 120), CSM_SUCCESS);
+  return support_image(d->context, view, CSM_READ_MASK, 160, 120);
+}
+
+/* With caster_set view, what the camera cannot see is not made, and the mask is none other. */
+static void what_is_not_seen_is_left_out(void **state) {
+  (void)state;
+  const uint32_t filters[] = {CSM_FILTER_VSM, CSM_FILTER_EVSM4, CSM_FILTER_MSM4};
+  const uint32_t radii[] = {0, 3, 12};
+  for (int i = 0; i < 3; ++i) {
+    const trial t = {.filter = filters[i], .radius = radii[i]};
+    csm_config config = config_of(&t);
+    config.resolution = 512;
+    config.depth_mode = CSM_DEPTH_SLICE; /* the same depths, whichever casters are drawn */
+    const size_t count = (size_t)config.resolution * config.resolution * channels_of(&config);
+    drawn d;
+    begin(&d, &config);
+    support_perspective(d.scene.shot.camera.projection, 20, 4.0 / 3.0, 0.5, 0);
+    draw(&d);
+    csm_view *view = support_view(d.context);
+    float *all = mask_of(&d, view);
+    config.caster_set = CSM_CASTER_SET_VIEW;
+    assert_int_equal(csm_cascades_configure(d.cascades, &config), CSM_SUCCESS);
+    draw(&d);
+    float *seen = mask_of(&d, view), *got = read_moments(&d, 0, count);
+    assert_memory_equal(all, seen, 160 * 120 * sizeof *all);
+    size_t zeros = 0;
+    for (size_t k = 0; k < count; k += channels_of(&config))
+      zeros += got[k] == 0.0f;
+    assert_true(zeros > count / channels_of(&config) / 8);
+    free(all);
+    free(seen);
+    free(got);
+    end(&d);
+  }
+}
+
+/* Frame by frame, moments that may be kept are those that cascades without a past make. */
+static void what_is_kept_is_what_is_made_anew(void **state) {
+  (void)state;
+  const trial t = {.filter = CSM_FILTER_EVSM2, .radius = 3, .exponent = 20};
+  csm_config config = config_of(&t);
+  config.caster_set = CSM_CASTER_SET_VIEW;
+  const size_t count = (size_t)SIDE * SIDE * channels_of(&config);
+  drawn d;
+  begin(&d, &config);
+  csm_scene *scene;
+  csm_instance_id ids[SUPPORT_INSTANCES];
+  assert_int_equal(csm_scene_create(d.context, &scene), CSM_SUCCESS);
+  const csm_scene_batch batch = {
+      .struct_size = sizeof batch, .count = SUPPORT_INSTANCES, .ids = ids, .instances = d.scene.instances};
+  assert_int_equal(csm_scene_add(scene, &batch), CSM_SUCCESS);
+  for (int step = 0; step < 6; ++step) {
+    const double matrix[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0.3 * step, 2, 0, 1};
+    if (step == 2 || step == 3)
+      assert_int_equal(csm_scene_move(scene, &(csm_scene_batch){.struct_size = sizeof(csm_scene_batch),
+                                                                .count = 1,
+                                                                .ids = &ids[1 + step % 2],
+                                                                .matrices = matrix}),
+                       CSM_SUCCESS);
+    if (step == 4)
+      support_look_at(d.scene.shot.camera.view, (const double[3]){4, 3, 6}, (const double[3]){0, 0, 0});
+    csm_frame frame = *shot_frame(&d.scene.shot);
+    frame.scene = scene;
+    frame.instances = NULL;
+    frame.instance_count = 0;
+    drawn fresh = d;
+    assert_int_equal(csm_cascades_create(d.context, &config, &fresh.cascades), CSM_SUCCESS);
+    assert_int_equal(csm_render_cascades(d.cascades, &frame), CSM_SUCCESS);
+    assert_int_equal(csm_render_cascades(fresh.cascades, &frame), CSM_SUCCESS);
+    for (uint32_t cascade = 0; cascade < config.cascade_count; ++cascade) {
+      float *kept = read_moments(&d, cascade, count), *made = read_moments(&fresh, cascade, count);
+      for (size_t i = 0; i < count; ++i)
+        if (made[i] != 0.0f && made[i] != kept[i]) /* 0: it was not seen */
+          fail_msg("step %d, cascade %u: %.9g, not %.9g", step, cascade, kept[i], made[i]);
+      free(kept);
+      free(made);
+    }
+    assert_int_equal(csm_cascades_destroy(fresh.cascades), CSM_SUCCESS);
+  }
+  assert_int_equal(csm_scene_destroy(scene), CSM_SUCCESS);
+  end(&d);
+}
+
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(moments_are_those_of_the_depths),
       cmocka_unit_test(moments_are_numbers),
+      cmocka_unit_test(what_is_not_seen_is_left_out),
+      cmocka_unit_test(what_is_kept_is_what_is_made_anew),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof *tests);
 }
