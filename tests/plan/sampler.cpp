@@ -142,6 +142,9 @@ csm_float4 clamp(csm_float4 a, float low, float high) {
 float csm_mad(float a, float b, float c) {
   return std::fma(a, b, c);
 }
+csm_float4 csm_mad(csm_float4 a, csm_float4 b, csm_float4 c) {
+  return csm_float4(csm_mad(a.x, b.x, c.x), csm_mad(a.y, b.y, c.y), csm_mad(a.z, b.z, c.z), csm_mad(a.w, b.w, c.w));
+}
 
 struct bound {
   const csm_float4 *constants;
