@@ -369,6 +369,7 @@ double stage_maps_ms(const stage_stats *stats) {
   return sum;
 }
 
+/* Below 0 where there are none. */
 double stage_moments_ms(const stage_stats *stats) {
   return fmax(stats->maps.moments_gpu_ms, 0.0);
 }
