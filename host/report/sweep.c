@@ -102,6 +102,8 @@ void report_sweep_free(report_sweep *sweep) {
 static int time_point(report_point *point, stage *s, uint32_t backend, uint32_t round) {
   stage_stats stats;
   int code = stage_configure(s, &point->config);
+  if (code == 0 && plan_has_moments(&point->config))
+    code = stage_stir(s);
   if (code == 0)
     code = stage_draw(s, &stats);
   if (code)
@@ -168,7 +170,7 @@ static int warm_up(report_sweep *sweep, const report_studio *studio, uint32_t fi
   int code = 0;
   for (uint32_t p = first; p < first + points; p++)
     for (uint32_t b = 0; code == 0 && b < studio->stage_count; b++)
-      code = time_point(&sweep->points[p], &studio->stages[b], b, 0);
+      code = time_point(&sweep->points[p], &studio->stages[b], b, sweep->rounds);
   return code;
 }
 
