@@ -5,6 +5,7 @@
 #include "stage/compare.h"
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 int hard_load(hard_run *run, const host_setup *setup) {
   int code = 0;
@@ -113,6 +114,28 @@ int hard_draw_engine(hard_run *run, const hard_inputs *inputs, const camera *fro
 
 int hard_map_engine(hard_run *run, const hard_inputs *inputs, uint32_t index, csm_cascade_info *cascade, float **out) {
   return hard_engine_map(run->engines[inputs->engine_buffers], index, cascade, out);
+}
+
+int hard_flag(hard_run *run, size_t begin, size_t end, uint32_t flags) {
+  const scene *from = &run->setup->scene;
+  csm_instance *instances = host_allocate(end - begin, sizeof *instances);
+  csm_result result = CSM_SUCCESS;
+  for (uint32_t i = 0; !result && i < run->stage_count; i++) {
+    const stage *s = &run->stages[i];
+    for (size_t k = begin; k < end; k++) {
+      csm_instance *to = &instances[k - begin];
+      *to =
+          (csm_instance){.struct_size = sizeof *to, .flags = flags, .mesh = s->assets.meshes[from->instances[k].mesh]};
+      memcpy(to->transform, from->instances[k].transform, sizeof to->transform);
+    }
+    const csm_scene_batch batch = {.struct_size = sizeof batch,
+                                   .count = (uint32_t)(end - begin),
+                                   .ids = s->instances + begin,
+                                   .instances = instances};
+    result = csm_scene_change(s->scene, &batch);
+  }
+  free(instances);
+  return result ? host_fail(HOST_NO_DEVICE, "flags: %s", csm_result_name(result)) : 0;
 }
 
 int hard_bind(hard_run *run, csm_binding *binding) {

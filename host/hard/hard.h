@@ -115,6 +115,20 @@ scene_light hard_sun(double height_deg, double azimuth_deg);
  */
 void hard_place(host_setup *setup, const double rigid[16]);
 
+/* ---- settings ---- */
+
+/* Filters on moments and soft ones, with as many different settings: for cases that look at every kind. */
+typedef struct hard_filter {
+  const char *name;
+  uint32_t filter;
+  uint32_t format, blur_texels, levels, sampling; /* of moments */
+} hard_filter;
+
+enum { HARD_FILTERS = 7, HARD_MOMENT_FILTERS = 4 }; /* those on moments that have no search come first */
+extern const hard_filter hard_filters[HARD_FILTERS];
+
+void hard_filter_set(csm_config *config, const hard_filter *filter);
+
 /* ---- drawing ---- */
 
 /*
@@ -146,6 +160,8 @@ int hard_draw(hard_run *run, const camera *from, const scene_light *light, uint3
 /* The mask that another camera sees, from the maps that are there. */
 int hard_resolve(hard_run *run, const camera *from, uint32_t wanted, hard_picture *out);
 void hard_picture_free(hard_picture *picture);
+/* CSM_INSTANCE_* of the scene's instances from one to before another, on every backend. */
+int hard_flag(hard_run *run, size_t begin, size_t end, uint32_t flags);
 /* Cascades and constants of the last frame. */
 int hard_bind(hard_run *run, csm_binding *binding);
 /* What a depth in a cascade's map means: metres along the light from the world's origin. */

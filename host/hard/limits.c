@@ -6,33 +6,8 @@
 #include "base/linear.h"
 #include "hard/hard.h"
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 /* ---- nothing to do ---- */
-
-/* Gives all instances of the scene flags, on every backend. */
-static int set_flags(hard_run *run, uint32_t flags) {
-  csm_result result = CSM_SUCCESS;
-  for (uint32_t i = 0; !result && i < run->stage_count; i++) {
-    const stage *s = &run->stages[i];
-    const scene *from = &run->setup->scene;
-    csm_instance *instances = host_allocate(from->instance_count, sizeof *instances);
-    for (size_t k = 0; k < from->instance_count; k++) {
-      const scene_instance *old = &from->instances[k];
-      instances[k] =
-          (csm_instance){.struct_size = sizeof *instances, .flags = flags, .mesh = s->assets.meshes[old->mesh]};
-      memcpy(instances[k].transform, old->transform, sizeof old->transform);
-    }
-    const csm_scene_batch batch = {.struct_size = sizeof batch,
-                                   .count = (uint32_t)from->instance_count,
-                                   .ids = s->instances,
-                                   .instances = instances};
-    result = csm_scene_change(s->scene, &batch);
-    free(instances);
-  }
-  return result ? host_fail(HOST_NO_DEVICE, "limits: %s", csm_result_name(result)) : 0;
-}
 
 /* Casters that the last frame drew, in all cascades. */
 static int count_drawn(const hard_run *run, double *drawn) {
@@ -85,15 +60,15 @@ static int draw_flagged(hard_run *run) {
   view.caster_set = CSM_CASTER_SET_VIEW;
   int code = hard_load(run, &setup);
   if (code == 0)
-    code = set_flags(run, CSM_INSTANCE_RECEIVE_ONLY);
+    code = hard_flag(run, 0, setup.scene.instance_count, CSM_INSTANCE_RECEIVE_ONLY);
   if (code == 0)
     code = expect_nothing(run, &setup.config, "no casters");
   if (code == 0)
-    code = set_flags(run, CSM_INSTANCE_HIDDEN);
+    code = hard_flag(run, 0, setup.scene.instance_count, CSM_INSTANCE_HIDDEN);
   if (code == 0)
     code = expect_nothing(run, &setup.config, "all hidden");
   if (code == 0)
-    code = set_flags(run, CSM_INSTANCE_CAST_ONLY);
+    code = hard_flag(run, 0, setup.scene.instance_count, CSM_INSTANCE_CAST_ONLY);
   if (code == 0)
     code = expect_nothing(run, &view, "no receivers, caster_set view");
   hard_unload(run);

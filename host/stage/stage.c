@@ -87,22 +87,25 @@ void stage_close(stage *s) {
   *s = (stage){0};
 }
 
-/* The instances stay in a scene: no frame moves them. */
-static csm_result place_instances(stage *s, const scene *from) {
+/* Adds the instances, or moves those that are there to their places. */
+static csm_result place_instances(stage *s, const scene *from, bool add) {
   const uint32_t count = (uint32_t)from->instance_count;
   csm_instance *instances = host_allocate(count, sizeof *instances);
-  s->instances = host_allocate(count, sizeof *s->instances);
   for (uint32_t i = 0; i < count; i++) {
     instances[i] = (csm_instance){.struct_size = sizeof *instances, .mesh = s->assets.meshes[from->instances[i].mesh]};
     memcpy(instances[i].transform, from->instances[i].transform, sizeof instances[i].transform);
   }
   const csm_scene_batch batch = {
       .struct_size = sizeof batch, .count = count, .ids = s->instances, .instances = instances};
-  csm_result result = csm_scene_create(s->context, &s->scene);
-  if (result == CSM_SUCCESS && count)
-    result = csm_scene_add(s->scene, &batch);
+  csm_result result = CSM_SUCCESS;
+  if (count)
+    result = add ? csm_scene_add(s->scene, &batch) : csm_scene_move(s->scene, &batch);
   free(instances);
   return result;
+}
+
+int stage_stir(stage *s) {
+  return exit_code(place_instances(s, &s->setup->scene, false));
 }
 
 csm_camera stage_camera(const camera *from) {
@@ -128,8 +131,11 @@ int stage_load(stage *s, const host_setup *setup) {
   s->camera = stage_camera(&setup->camera);
   s->light = stage_light(&setup->light);
   csm_result result = assets_upload(&s->assets, s->context, &setup->scene);
+  s->instances = host_allocate(setup->scene.instance_count, sizeof *s->instances);
   if (result == CSM_SUCCESS)
-    result = place_instances(s, &setup->scene);
+    result = csm_scene_create(s->context, &s->scene);
+  if (result == CSM_SUCCESS)
+    result = place_instances(s, &setup->scene, true);
   s->frame = (csm_frame){.struct_size = sizeof s->frame, .camera = &s->camera, .light = &s->light, .scene = s->scene};
   if (result == CSM_SUCCESS)
     result = csm_view_create(s->context, &s->view);
@@ -191,18 +197,19 @@ int stage_render(stage *s) {
   return exit_code(result);
 }
 
-static csm_result resolve_on(stage *s, csm_view *view, uint32_t show) {
+/* A mask of a single pixel is a frame of a view as any other. */
+static csm_result resolve_on(stage *s, csm_view *view, uint32_t show, bool pixel) {
   const csm_mask_info info = {.struct_size = sizeof info,
                               .flags = s->frame.flags,
                               .frame = &s->frame,
-                              .width = s->setup->width,
-                              .height = s->setup->height,
+                              .width = pixel ? 1 : s->setup->width,
+                              .height = pixel ? 1 : s->setup->height,
                               .show = show};
   return csm_resolve_mask(view, s->cascades, &info);
 }
 
 static csm_result resolve(stage *s, uint32_t show) {
-  return resolve_on(s, s->view, show);
+  return resolve_on(s, s->view, show, false);
 }
 
 int stage_draw(stage *s, stage_stats *stats) {
@@ -294,8 +301,11 @@ int stage_capture(stage *s, stage_frame *out) {
   const csm_config *config = &s->setup->config;
   for (uint32_t i = TIMED_FRAMES + 1; config->history && code == 0 && i < config->history_frames; i++)
     code = stage_draw(s, &timed[0]);
-  for (int i = 0; code == 0 && i < TIMED_FRAMES; i++)
-    code = stage_draw(s, &timed[i]);
+  for (int i = 0; code == 0 && i < TIMED_FRAMES; i++) {
+    code = timed[0].maps.moment_bytes ? stage_stir(s) : 0;
+    if (code == 0)
+      code = stage_draw(s, &timed[i]);
+  }
   if (code == 0)
     code = stage_read(s, true, out);
   if (code == 0)
@@ -329,13 +339,15 @@ int stage_mask(stage *s, const camera *from, float *mask, float *view_depth, flo
   return code == 0 && cascades ? stage_cascades(s, from, cascades) : code;
 }
 
-int stage_mask_alone(stage *s, const camera *from, float *mask) {
+int stage_mask_alone(stage *s, const camera *from, uint32_t frame, float *mask) {
   csm_view *view = NULL;
   s->frame.flags = 0;
   stage_look(s, from);
   csm_result result = csm_view_create(s->context, &view);
+  for (uint32_t i = 0; i < frame && result == CSM_SUCCESS; i++)
+    result = resolve_on(s, view, CSM_SHOW_VISIBILITY, true);
   if (result == CSM_SUCCESS)
-    result = resolve_on(s, view, CSM_SHOW_VISIBILITY);
+    result = resolve_on(s, view, CSM_SHOW_VISIBILITY, false);
   const csm_read_info info = {.struct_size = sizeof info,
                               .source = CSM_READ_MASK,
                               .view = view,
@@ -366,6 +378,7 @@ double stage_maps_ms(const stage_stats *stats) {
   return sum;
 }
 
+/* Below 0 where there are none. */
 double stage_moments_ms(const stage_stats *stats) {
   return fmax(stats->maps.moments_gpu_ms, 0.0);
 }

@@ -71,6 +71,12 @@ csm_light stage_light(const scene_light *from);
 /* Where the frames that follow are seen from. */
 void stage_look(stage *s, const camera *from);
 
+/*
+ * Moves every instance to where it is, so that the next frame makes all that it sees: moments of maps that come out as
+ * they were are kept, and a scene that stands still would get them for nothing. 0, or a code after a message.
+ */
+int stage_stir(stage *s);
+
 /* Draws the cascades once and waits. 0, or a code after a message. */
 int stage_render(stage *s);
 
@@ -98,8 +104,8 @@ int stage_mask(stage *s, const camera *from, float *mask, float *view_depth, flo
 
 /* CSM_SHOW_CASCADE alone, likewise. */
 int stage_cascades(stage *s, const camera *from, float *cascades);
-/* The same mask as a view has it that begins: without a history. */
-int stage_mask_alone(stage *s, const camera *from, float *mask);
+/* The same mask as a view has it without a history, whose patterns are those of its frame of this number, from 0 on. */
+int stage_mask_alone(stage *s, const camera *from, uint32_t frame, float *mask);
 
 /*
  * Draws the cascades and the mask with timestamps, after a frame that warms up, and, with a history, as many more as make
