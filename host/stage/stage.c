@@ -87,7 +87,7 @@ void stage_close(stage *s) {
   *s = (stage){0};
 }
 
-/* Adds the instances, or moves those that are there to their places. */
+/* Adds the instances, or makes those that are there what they are. */
 static csm_result place_instances(stage *s, const scene *from, bool add) {
   const uint32_t count = (uint32_t)from->instance_count;
   csm_instance *instances = host_allocate(count, sizeof *instances);
@@ -99,7 +99,7 @@ static csm_result place_instances(stage *s, const scene *from, bool add) {
       .struct_size = sizeof batch, .count = count, .ids = s->instances, .instances = instances};
   csm_result result = CSM_SUCCESS;
   if (count)
-    result = add ? csm_scene_add(s->scene, &batch) : csm_scene_move(s->scene, &batch);
+    result = add ? csm_scene_add(s->scene, &batch) : csm_scene_change(s->scene, &batch);
   free(instances);
   return result;
 }
