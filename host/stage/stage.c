@@ -92,7 +92,8 @@ static csm_result place_instances(stage *s, const scene *from, bool add) {
   const uint32_t count = (uint32_t)from->instance_count;
   csm_instance *instances = host_allocate(count, sizeof *instances);
   for (uint32_t i = 0; i < count; i++) {
-    instances[i] = (csm_instance){.struct_size = sizeof *instances, .mesh = s->assets.meshes[from->instances[i].mesh]};
+    instances[i] = (csm_instance){
+        .struct_size = sizeof *instances, .mesh = s->assets.meshes[from->instances[i].mesh], .layers = s->layers};
     memcpy(instances[i].transform, from->instances[i].transform, sizeof instances[i].transform);
   }
   const csm_scene_batch batch = {
@@ -105,6 +106,7 @@ static csm_result place_instances(stage *s, const scene *from, bool add) {
 }
 
 int stage_stir(stage *s) {
+  s->layers ^= 1; /* the light lights all of them */
   return exit_code(place_instances(s, &s->setup->scene, false));
 }
 
