@@ -18,6 +18,7 @@ typedef struct stage {
   csm_view *view;
   assets assets;
   csm_instance_id *instances; /* by the scene's instance */
+  uint32_t layers;            /* that they lie in */
   csm_camera camera;
   csm_light light;
   csm_frame frame; /* of the three above */
@@ -70,6 +71,12 @@ csm_light stage_light(const scene_light *from);
 
 /* Where the frames that follow are seen from. */
 void stage_look(stage *s, const camera *from);
+
+/*
+ * Changes every instance by what does not show, so that the next frame makes all that it sees: moments of maps that come out as
+ * they were are kept, and a scene that stands still would get them for nothing. 0, or a code after a message.
+ */
+int stage_stir(stage *s);
 
 /* Draws the cascades once and waits. 0, or a code after a message. */
 int stage_render(stage *s);
