@@ -23,6 +23,7 @@ const hard_case *const hard_cases[] = {
     &hard_casters,
     &hard_huge_ground,
     &hard_far_orthographic,
+    &hard_bleeding,
     &hard_history,
     NULL,
 };

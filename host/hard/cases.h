@@ -23,6 +23,7 @@ extern const hard_case hard_settings;
 extern const hard_case hard_casters;
 extern const hard_case hard_huge_ground;
 extern const hard_case hard_far_orthographic;
+extern const hard_case hard_bleeding;
 extern const hard_case hard_history;
 
 /* In the order of the table; NULL ends it. */
