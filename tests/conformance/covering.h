@@ -4,7 +4,7 @@
 
 #include "support.h"
 
-enum { COVERING_OPTIONS = 64, COVERING_LEVELS = 10, COVERING_CASES = 512 };
+enum { COVERING_OPTIONS = 96, COVERING_LEVELS = 20, COVERING_CASES = 512 };
 
 /* A field of csm_config with the values that it takes here; the first is where other options are looked at alone. */
 typedef struct covering_option {
