@@ -242,7 +242,7 @@ static void reading(void **state) {
   static float data[RESOLUTION * RESOLUTION];
   static const misuse rows[] = {
       {"no size", READ(struct_size), {0}, CSM_ERROR_STRUCT_SIZE, "csm_read_info"},
-      {"no such source", READ(source), {CSM_READ_VIEW_DEPTH + 1}, CSM_ERROR_INVALID_VALUE, "source"},
+      {"no such source", READ(source), {CSM_READ_MOMENTS + 1}, CSM_ERROR_INVALID_VALUE, "source"},
       {"no such cascade", READ(cascade), {3}, CSM_ERROR_INVALID_INDEX, "cascade"},
       {"no cascades", READ(cascades), {0}, CSM_ERROR_NULL_POINTER, "cascades"},
       {"nowhere to read to", READ(data), {0}, CSM_ERROR_NULL_POINTER, "data"},
