@@ -238,8 +238,8 @@ typedef struct gpu_region {
   uint32_t level; /* x, y, width and height are its own texels */
 } gpu_region;
 
-/* What an engine's image is to hold. A depth has one channel, normals have three or four. */
-typedef enum gpu_texels { GPU_TEXELS_DEPTH, GPU_TEXELS_NORMALS } gpu_texels;
+/* What an engine's image is to hold. A depth has one channel, normals have three or four, motion two or four floats. */
+typedef enum gpu_texels { GPU_TEXELS_DEPTH, GPU_TEXELS_NORMALS, GPU_TEXELS_MOTION } gpu_texels;
 
 /* What numbers texels are: normalised integers from 0 to 1, or from -1 to 1. */
 typedef enum gpu_numbers { GPU_NUMBERS_FLOAT, GPU_NUMBERS_UNORM, GPU_NUMBERS_SNORM } gpu_numbers;

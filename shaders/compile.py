@@ -13,7 +13,7 @@ compilers get the same text, whatever their own rules.
 
 A folder with a variants.toml, which says what it means, makes many programs of a source. Their DXBC lies in one file,
 dxbc/archive, in the order of dxbc/MANIFEST; a folder without one has a file each. MANIFEST has a line for each program: its
-name, the SHA-256 of its text with its defines, the SHA-256 of its DXBC, and in an archive its bytes.
+name, the SHA-256 of what its text comes to by its defines, the SHA-256 of its DXBC, and in an archive its bytes.
 """
 import concurrent.futures
 import hashlib
@@ -75,6 +75,12 @@ class Program:
         before = "".join(f"#define {name} {value}\n" for name, value in self.defines.items())
         return before + flatten(self.path, self.path.parent, marked)
 
+    def essence(self):
+        """The hash of what a compiler gets to see: without comments, what #if leaves out, and spaces."""
+        text = "#undef __STDC_VERSION__\n" + self.text()
+        done = subprocess.run(["cpp", "-P", "-undef", "-w"], input=text, stdout=subprocess.PIPE, text=True, check=True)
+        return digest("".join(done.stdout.split()).encode())
+
 
 def stem(path):
     """"mask.ps" of mask.ps.hlsl."""
@@ -121,17 +127,28 @@ def run(*command):
         sys.exit(f"{done.stdout}\nfailed: {' '.join(str(part) for part in command)}")
 
 
-def make_spirv(glslang, spirv_val, program, folder):
+def make_spirv(glslang, spirv_val, program, folder, kept):
+    """`kept`: a folder of what this compiler made before; or None."""
+    about = f"{program.essence()} {program.stage} {SPIRV_OPTIONS} {os.stat(glslang).st_mtime_ns}"
+    before = kept and kept / f"{digest(about.encode())}.spv"
+    if before and before.is_file():
+        return before.read_bytes()
     source, output = folder / f"{program.name}.hlsl", folder / f"{program.name}.spv"
     source.write_text(program.text(marked=True))
     run(glslang, *SPIRV_OPTIONS, "-S", STAGES[program.stage][0], "-o", output, source)
     run(spirv_val, "--target-env", "vulkan1.1", output)
+    if before:
+        before.with_suffix(".part").write_bytes(output.read_bytes())
+        before.with_suffix(".part").rename(before)
     return output.read_bytes()
 
 
-def make_all_spirv(glslang, spirv_val, programs):
+def make_all_spirv(glslang, spirv_val, programs, kept=None):
+    if kept:
+        kept.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(lambda program: make_spirv(glslang, spirv_val, program, pathlib.Path(folder)), programs))
+        make = lambda program: make_spirv(glslang, spirv_val, program, pathlib.Path(folder), kept)
+        return list(pool.map(make, programs))
 
 
 def words(name, code):
@@ -204,7 +221,7 @@ def embed(out_c, out_h, glslang, spirv_val, *paths):
     header = ["/* Made by shaders/compile.py. */", f"#ifndef {guard}", f"#define {guard}", "", '#include "gpu.h"', ""]
     source = ["/* Made by shaders/compile.py. */", f'#include "{header_name}"', "", "#include <stddef.h>", ""]
     blobs = {root: read_dxbc(root) for root in {path.parent for path in paths}}
-    for program, spirv in zip(programs, make_all_spirv(glslang, spirv_val, programs)):
+    for program, spirv in zip(programs, make_all_spirv(glslang, spirv_val, programs, pathlib.Path(out_c).parent / "spirv")):
         dxbc = blobs[program.path.parent].get(program.name)
         if not dxbc:
             sys.exit(f"{program.name} has no DXBC: run ./dev shaders")
@@ -254,14 +271,19 @@ def compile_dxbc(compiler, program, folder):
     return output.read_bytes()
 
 
+def essences(programs):
+    """The hash of each program's text by its name."""
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        return dict(zip(programs, pool.map(Program.essence, programs.values())))
+
+
 def still_true(root):
     """The DXBC, by name, of programs whose text has not changed since it was made."""
     if not (root / "dxbc/MANIFEST").is_file():
         return {}
     recorded, blobs = read_manifest(root), read_dxbc(root)
-    return {name: blobs[name] for name, program in shaders(root).items()
-            if name in recorded and digest(program.text().encode()) == recorded[name][0]
-            and digest(blobs.get(name, b"")) == recorded[name][1]}
+    return {name: blobs[name] for name, essence in essences(shaders(root)).items()
+            if name in recorded and (essence, digest(blobs.get(name, b""))) == recorded[name][:2]}
 
 
 def make_dxbc(compiler, root):
@@ -279,8 +301,8 @@ def make_dxbc(compiler, root):
     else:
         for name, blob in zip(programs, blobs):
             (folder / f"{name}.dxbc").write_bytes(blob)
-    lines = (f"{program.name} {digest(program.text().encode())} {digest(blob)}{f' {len(blob)}' if archived else ''}\n"
-             for program, blob in zip(programs.values(), blobs))
+    lines = (f"{name} {essence} {digest(blob)}{f' {len(blob)}' if archived else ''}\n"
+             for (name, essence), blob in zip(essences(programs).items(), blobs))
     (folder / "MANIFEST").write_text("".join(lines))
     print(f"{root.name}/dxbc: {len(blobs)} programs, {len(made)} of them as they were, {sum(map(len, blobs))} bytes")
 
@@ -314,10 +336,10 @@ def drift(root):
     recorded, blobs, present = read_manifest(root), read_dxbc(root), shaders(root)
     wrong = [f"{name}: in dxbc/MANIFEST, but there is no such program" for name in recorded.keys() - present.keys()]
     wrong += [f"{name}: is not in variants.toml" for name in unlisted(root)]
-    for name, program in present.items():
+    for name, essence in essences(present).items():
         if name not in recorded or not blobs.get(name):
             wrong.append(f"{name}: has no DXBC")
-        elif digest(program.text().encode()) != recorded[name][0]:
+        elif essence != recorded[name][0]:
             wrong.append(f"{name}: the HLSL has changed since its DXBC was made")
         elif digest(blobs[name]) != recorded[name][1]:
             wrong.append(f"{name}: the DXBC is not the one in MANIFEST")

@@ -39,8 +39,8 @@ float main(mask_inputs pixel) : SV_Target
     receiver.doubt = normal_doubt(place, depth);
 #if MASK_MOMENTS
     float2 steps = depth_steps(place, depth);
-    receiver.across = light_position(float2(place.x + 1.0, place.y), depth + steps.x) - at;
-    receiver.down = light_position(float2(place.x, place.y + 1.0), depth + steps.y) - at;
+    receiver.across = light_step(place, depth, at, float3(1.0, 0.0, steps.x));
+    receiver.down = light_step(place, depth, at, float3(0.0, 1.0, steps.y));
 #endif
     float lit = csm_visibility_of(receiver);
     return depth == mask_c[CSM_M_CLEAR].x ? 1.0 : lit;

@@ -59,6 +59,7 @@ static csm_result allocate_cascades(csm_context *context, const csm_config *conf
     return CSM_ERROR_OUT_OF_MEMORY;
   cascades->context = context;
   cascades->config = *config;
+  cascades->settings = ++context->settings;
   csm_result result = technique_set_begin_cascades(&cascades->techniques, host);
   if (!result)
     result = technique_set_make(&cascades->techniques, context_device(context), config);
@@ -110,6 +111,7 @@ csm_result CSM_CALL csm_cascades_configure(csm_cascades *cascades, const csm_con
     return result;
   technique_set_adopt(&cascades->techniques, device, &own);
   cascades->config = own;
+  cascades->settings = ++cascades->context->settings;
   cascades->drawn = false;
   for (csm_view *v = cascades->context->views; v && own.depth_samples == CSM_DEPTH_SAMPLES_OFF; v = v->next)
     if (v->cascades == cascades)

@@ -24,6 +24,7 @@ struct csm_cascades {
   csm_context *context;
   csm_cascades *next, **link;
   csm_config config;
+  uint64_t settings; /* which of all configurations of the context's cascades it is */
   technique_set techniques;
   plan_history history; /* what the last drawn frame handed on */
   plan_cache cache;

@@ -23,6 +23,7 @@ struct csm_context {
   assets assets;
   csm_cascades *cascades; /* all of them */
   csm_view *views;        /* likewise */
+  uint64_t settings;      /* counts configurations of cascades */
 
   /* What the camera of a picture without a scene sees. */
   instances list;

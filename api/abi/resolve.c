@@ -2,6 +2,7 @@
 #include "abi/frame_input.h"
 #include "abi/view.h"
 #include "techniques/depth_samples/depth_samples.h"
+#include "techniques/history/history.h"
 
 enum { largest_mask = 16384 };
 
@@ -19,13 +20,15 @@ static csm_result check_info(csm_context *context, const csm_mask_info *info) {
   host *host = &context->host;
   if (info->flags & ~(uint32_t)CSM_FRAME_TIMESTAMPS)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_mask_info: unknown flags %x", info->flags);
-  if (info->show > CSM_SHOW_DENSITY)
+  if (info->show > CSM_SHOW_DENSITY && info->show != CSM_SHOW_HISTORY)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_mask_info: there is no show %u", info->show);
   if (info->reserved)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_mask_info: reserved is %u, not 0", info->reserved);
-  if (context_device(context)->own && (info->camera_depth || info->normals))
+  if (context_device(context)->own && (info->camera_depth || info->normals || info->motion))
     return host_fail(host, CSM_ERROR_UNSUPPORTED, "csm_mask_info: %s needs an engine's device",
-                     info->camera_depth ? "camera_depth" : "normals");
+                     info->camera_depth ? "camera_depth"
+                     : info->normals    ? "normals"
+                                        : "motion");
   if (!info->width || !info->height || info->width > largest_mask || info->height > largest_mask)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_mask_info: a size of %u x %u", info->width, info->height);
   return CSM_SUCCESS;
@@ -70,9 +73,11 @@ static csm_result record(csm_view *view, csm_cascades *cascades, const resolve *
                                .scene = &r->scene,
                                .seen = &r->seen,
                                .engines_depth = r->info.camera_depth,
-                               .engines_normals = r->info.normals};
+                               .engines_normals = r->info.normals,
+                               .engines_motion = r->info.motion};
   technique_run run = {.device = context_device(view->context),
                        .config = &cascades->config,
+                       .settings = cascades->settings,
                        .plan = &planned->frame,
                        .constants = &planned->constants,
                        .constants_size = sizeof planned->constants,
@@ -95,6 +100,8 @@ csm_result CSM_CALL csm_resolve_mask(csm_view *view, csm_cascades *cascades, con
   resolve r = {0};
   if (!result)
     result = read_info(context, in, &r);
+  if (!result && r.info.show == CSM_SHOW_HISTORY && cascades->config.history == CSM_HISTORY_OFF)
+    result = host_fail(&context->host, CSM_ERROR_INVALID_VALUE, "csm_mask_info: show history, and the cascades keep none");
   if (!result)
     result = cascades_drawn(cascades);
   if (!result)
@@ -107,5 +114,7 @@ csm_result CSM_CALL csm_resolve_mask(csm_view *view, csm_cascades *cascades, con
   view->renders = cascades->renders;
   if (cascades->config.depth_samples == CSM_DEPTH_SAMPLES_OFF)
     depth_samples_drop(&view->techniques, context_device(context));
+  if (cascades->config.history == CSM_HISTORY_OFF)
+    history_drop(&view->techniques, context_device(context));
   return CSM_SUCCESS;
 }

@@ -55,14 +55,11 @@ static csm_result check_filter(const csm_config *config, const char **error) {
 
 static csm_result check_moments(const csm_config *config, const char **error) {
   const uint32_t filter = config->filter;
-  if (config->moment_layers > 1 && filter != CSM_FILTER_VSM)
-    return plan_fail(error, CSM_ERROR_INVALID_VALUE, "moment_layers above 1 are for filter vsm");
   if (filter == CSM_FILTER_VSSM && config->moment_levels < 2)
     return plan_fail(error, CSM_ERROR_INVALID_VALUE,
                      "filter vssm needs moment_levels above 1: it reads means of areas");
-  if (plan_has_moments(config) && config->moment_sampling != CSM_SAMPLING_BILINEAR && config->moment_levels < 2)
-    return plan_fail(error, CSM_ERROR_INVALID_VALUE,
-                     "moment_sampling trilinear and anisotropic need moment_levels above 1");
+  if (plan_has_moments(config) && config->moment_sampling == CSM_SAMPLING_TRILINEAR && config->moment_levels < 2)
+    return plan_fail(error, CSM_ERROR_INVALID_VALUE, "moment_sampling trilinear needs moment_levels above 1");
   if (filter == CSM_FILTER_BACKPROJECTION && config->soft_penumbra == CSM_PENUMBRA_RATIO)
     return plan_fail(error, CSM_ERROR_INVALID_VALUE,
                      "soft_penumbra ratio is for filters pcss and vssm: backprojection knows the light alone");

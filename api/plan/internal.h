@@ -79,8 +79,17 @@ double plan_view_side(const plan_camera *camera);
 void plan_view_rotation_inverse(double out[9], const double view[16]);
 
 /* ---- moments ---- */
-/* The largest c that moments of exp(c z) may have; `squared`: their second moments too. */
-double plan_moment_exponent_most(const csm_config *config, bool squared);
+/* What a configuration's moments are made with, and how far their format and arithmetic put them off. */
+typedef struct plan_moment_errors {
+  double exponent, negative; /* as configured, or what the format holds */
+  double mean;               /* by how much a mean of z may be off, which is from -1 to 1 */
+  double variance;           /* a variance of z; with exponentials, as a share of the mean square */
+  double bias;               /* msm4: the share of another distribution that leaves one of any that is so far off */
+} plan_moment_errors;
+
+void plan_moment_errors_make(plan_moment_errors *out, const csm_config *config);
+/* The variance of where a filter's texels lie along an axis, in texels of the map squared, without levels. */
+double plan_moment_spread(const csm_config *config);
 
 /* ---- light ---- */
 /*
@@ -317,5 +326,14 @@ void plan_light_transform(double out[12], const double basis[9], const plan_inst
                           const plan_bounds *bounds);
 /* Stored positions to a cascade's clip space, from their transform to light space: three rows of four. */
 void plan_light_to_clip(float out[12], const plan_cascade *cascade, const double to_light[12]);
+
+/* ---- pixels.c ---- */
+
+/* Positions relative to the frame's origin, to places in a camera's picture: x to the right and y down in pixels, and the
+   depth in its buffer. And back. */
+void plan_relative_to_pixels(double out[16], const plan_frame *frame, const plan_camera *camera, uint32_t width,
+                             uint32_t height);
+void plan_pixels_to_relative(double out[16], const plan_frame *frame, const plan_camera *camera, uint32_t width,
+                             uint32_t height);
 
 #endif

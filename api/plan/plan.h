@@ -346,6 +346,32 @@ typedef struct plan_picture {
 uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const plan_picture *picture,
                                    const csm_config *config);
 
+/* ---- a mask's history ---- */
+
+/* What a view's mask was accumulated for. */
+typedef struct plan_past {
+  plan_camera camera; /* that its depth is of */
+  uint32_t width, height;
+  double shadow_end;
+  uint64_t settings; /* which configuration of which cascades; 0: there is no past */
+} plan_past;
+
+/* From an earlier picture to this one; the earlier one counts, or is this one itself. */
+typedef struct plan_passage {
+  const plan_past *past, *now;
+} plan_passage;
+
+/* Whether a mask may go on from an earlier one. Where it was cut to another place, no pixel finds itself again. */
+bool plan_past_counts(const plan_past *past, const plan_past *now);
+/* The block of the history pass (csm_history.h). Returns its bytes. */
+uint32_t plan_write_history_constants(float *out, const plan_frame *frame, const plan_picture *picture,
+                                      const plan_passage *passage, const csm_config *config);
+/* CSM_S_SOFT_MORE.w of a view's frame: by how much of a pattern its filter goes on, from 0 to 1. Frames lie apart as evenly
+   as can be, however many of them there are in a row. */
+double plan_history_phase(uint32_t frame);
+/* Puts it into the block of plan_write_constants. */
+void plan_write_phase(float *out, double phase);
+
 /* Whether all maps are layers of one image and of one size. */
 bool plan_maps_alike(const csm_config *config);
 /* Whether the bias is in texels alone, but for a constant share of the depth range. */

@@ -79,31 +79,39 @@ static void put_filter(float *out, const csm_config *config) {
 }
 
 static void put_bias(float *out, const csm_config *config) {
-  /* A plane under the filter needs no more than what it cannot know: half a texel. */
-  const double reach_texels = config->bias_mode == CSM_BIAS_SLOPE ? plan_filter_reach_texels(config) : 0.5;
-  /* A depth in 16 bits is off by up to half a unit; what a float is off by lies within the bias in texels. */
-  const double rounding = config->map_format == CSM_MAP_D16 ? 0.5 / 65535.0 : 0.0;
+  /* A plane under the filter needs no more than what it cannot know: half a texel. A mean of depths is on it. */
+  const bool plane = config->bias_mode == CSM_BIAS_RECEIVER_PLANE || plan_has_moments(config);
+  const double reach_texels = plane ? 0.5 : plan_filter_reach_texels(config);
+  plan_moment_errors errors;
+  plan_moment_errors_make(&errors, config);
+  /* A depth in 16 bits is off by up to half a unit; what a float is off by lies within the bias in texels. Moments are off
+     by as much as they say, of a range from -1 to 1. */
+  const double rounding = (config->map_format == CSM_MAP_D16 ? 0.5 / 65535.0 : 0.0) + errors.mean / 2.0;
   put(out, CSM_S_BIAS, config->bias_constant_texels, config->bias_slope_texels * reach_texels, config->bias_slope_max,
       config->bias_normal_texels);
   put(out, CSM_S_UNITS, config->bias_constant_range + rounding, config->bias_constant_m, config->bias_slope_range,
       config->bias_limit_range > 0.0 ? config->bias_limit_range : 1e30);
   put(out, CSM_S_OWN, fmax(config->bias_plane_max, config->bias_slope_max), plan_filter_reach_texels(config),
-      plan_filter_least_share(config), 0.0);
+      plan_filter_least_share(config), errors.variance);
 }
 
 static void put_moments(float *out, const csm_config *config) {
-  const bool squared = config->filter != CSM_FILTER_ESM;
-  const double most = plan_moment_exponent_most(config, squared), deviation = 2.0 * config->moment_deviation_range;
-  plan_moments moments = {.levels = 1, .side = 1};
+  const double deviation = 2.0 * config->moment_deviation_range;
+  const bool samples = config->moment_sampling != CSM_SAMPLING_BILINEAR || config->filter == CSM_FILTER_VSSM;
+  const bool packed = config->filter == CSM_FILTER_MSM4 && config->moment_format == CSM_MOMENTS_FLOAT16;
+  plan_moments moments = {.levels = 1, .side = 1, .depth_layers = 1};
   if (plan_has_moments(config))
     plan_moments_make(&moments, config);
-  put(out, CSM_S_MOMENTS, fmin(config->moment_exponent, most), fmin(config->moment_exponent_negative, most),
-      config->moment_bias, config->moment_layers);
-  put(out, CSM_S_VARIANCE, deviation * deviation, config->moment_deviation_m, config->moment_deviation_slope,
-      1.0 / (moments.side << config->moment_halved));
+  plan_moment_errors errors;
+  plan_moment_errors_make(&errors, config);
+  put(out, CSM_S_MOMENTS, config->filter == CSM_FILTER_MSM4 ? packed : errors.exponent, errors.negative,
+      fmax(config->moment_bias, errors.bias), moments.depth_layers);
+  put(out, CSM_S_VARIANCE, deviation * deviation + errors.mean * errors.mean, config->moment_deviation_m,
+      config->moment_deviation_slope, 1.0 / (moments.side << config->moment_halved));
   put(out, CSM_S_BLEEDING, config->bleeding_reduction, 1.0 / (1.0 - config->bleeding_reduction), config->bleeding_power,
       config->bleeding_curve);
-  put(out, CSM_S_LEVELS, moments.levels - 1.0, config->moment_sampling, config->moment_anisotropy,
+  put(out, CSM_S_LEVELS, samples ? moments.levels - 1.0 : 0.0, plan_moment_spread(config),
+      config->moment_sampling == CSM_SAMPLING_ANISOTROPIC ? config->moment_anisotropy : 1.0,
       config->moment_halved ? 0.5 : 1.0);
 }
 
@@ -170,49 +178,12 @@ uint32_t plan_write_constants(float *out, const plan_frame *frame, const csm_con
   return CSM_C_COUNT * 4 * sizeof(float);
 }
 
-/* Clip space to pixels, x to the right and y down; and back. */
-static void clip_and_pixels(double to_pixels[16], double to_clip[16], uint32_t width, uint32_t height) {
-  const double x = 0.5 * width, y = 0.5 * height;
-  const double there[16] = {x, 0, 0, 0, 0, -y, 0, 0, 0, 0, 1, 0, x, y, 0, 1};
-  const double back[16] = {1 / x, 0, 0, 0, 0, -1 / y, 0, 0, 0, 0, 1, 0, -1, 1, 0, 1};
-  memcpy(to_pixels, there, sizeof there);
-  memcpy(to_clip, back, sizeof back);
-}
-
-/* World positions relative to the frame's origin, to a camera's clip space. */
-static void relative_to_clip(double out[16], const plan_frame *frame, const plan_camera *camera) {
-  double view[16];
-  for (int i = 0; i < 16; ++i)
-    view[i] = i < 12 ? camera->view[i] : i == 15;
-  for (int row = 0; row < 3; ++row)
-    for (int k = 0; k < 3; ++k)
-      view[12 + row] += camera->view[k * 4 + row] * (frame->origin[k] - camera->position[k]);
-  plan_multiply(out, camera->projection, view);
-}
-
-/* And back. */
-static void clip_to_relative(double out[16], const plan_frame *frame, const plan_camera *camera) {
-  double unproject[16], rotation[9];
-  (void)plan_invert(unproject, camera->projection); /* plan_camera_make saw to it that it can be */
-  plan_view_rotation_inverse(rotation, camera->view);
-  for (int column = 0; column < 4; ++column) {
-    const double *from = &unproject[column * 4];
-    for (int row = 0; row < 3; ++row)
-      out[column * 4 + row] = rotation[row] * from[0] + rotation[3 + row] * from[1] + rotation[6 + row] * from[2] +
-                              (camera->position[row] - frame->origin[row]) * from[3];
-    out[column * 4 + 3] = from[3];
-  }
-}
-
 /* How a camera's pixels and light space belong together: CSM_M_LIGHT, CSM_M_PLANES and CSM_M_NORMALS. */
 static void put_pixels(float *out, const plan_frame *frame, const plan_picture *picture) {
   const plan_camera *camera = picture->camera;
-  double pixels[16], clip[16], relative[16], to_pixels[16], to_relative[16];
-  clip_and_pixels(pixels, clip, picture->width, picture->height);
-  relative_to_clip(relative, frame, camera);
-  plan_multiply(to_pixels, pixels, relative);
-  clip_to_relative(relative, frame, camera);
-  plan_multiply(to_relative, relative, clip);
+  double to_pixels[16], to_relative[16];
+  plan_relative_to_pixels(to_pixels, frame, camera, picture->width, picture->height);
+  plan_pixels_to_relative(to_relative, frame, camera, picture->width, picture->height);
   /* A plane's value grows towards what has less depth, which is the viewer's side unless depth is reversed */
   const double viewer = camera->reversed ? -1.0 : 1.0;
   const double decode = picture->unorm_normals ? 2.0 : 1.0, middle = picture->unorm_normals ? -1.0 : 0.0;

@@ -53,6 +53,18 @@ uint64_t drawn_image_bytes(const drawn_images *images, const device *device) {
   return images->now ? gpu_image_bytes(device->gpu, images->now->image) : 0;
 }
 
+void drawn_image_bind(const drawn_images *images, device *device, csm_binding *binding) {
+  const drawn_image *mask = images->now;
+  gpu_native_image native;
+  if (!mask || !mask->drawn)
+    return;
+  gpu_image_native(device->gpu, mask->image, &native);
+  binding->native_mask = native.image;
+  binding->native_mask_view = native.view;
+  if (binding->mask_descriptor)
+    gpu_image_describe(device->gpu, mask->image, binding->mask_descriptor);
+}
+
 csm_result drawn_image_find(const drawn_images *images, technique_image *out) {
   const drawn_image *image = images->now;
   if (!image || !image->drawn)

@@ -28,6 +28,8 @@ void drawn_image_adopt(drawn_images *images, device *device);
 void drawn_image_forget(drawn_images *images, device *device);
 void drawn_image_drop(drawn_images *images, device *device);
 uint64_t drawn_image_bytes(const drawn_images *images, const device *device);
+/* The image as a view's mask in a binding, if it was drawn. */
+void drawn_image_bind(const drawn_images *images, device *device, csm_binding *binding);
 /* INVALID_STATE if there is none, or it was not drawn. */
 csm_result drawn_image_find(const drawn_images *images, technique_image *out);
 

@@ -17,6 +17,7 @@
 
 #include "device/device.h"
 #include "plan/plan.h"
+#include "techniques/engine_image.h"
 
 enum { TECHNIQUE_MAX = 8 };
 
@@ -38,15 +39,18 @@ typedef struct technique_picture {
   const plan_scene *scene;
   const plan_list *seen;     /* of the scene, by the camera; empty if the engine brings its depth */
   const void *engines_depth; /* csm_vulkan_image, csm_d3d12_image, or NULL; as in csm_mask_info */
-  const void *engines_normals;
+  const void *engines_normals, *engines_motion;
   gpu_image *depth; /* out, of technique_camera_depth: readable once that is recorded */
   plan_grain depth_rounding;
+  engine_imported normals; /* out, of technique_mask, as the next: the engine's, if the picture needs them */
+  gpu_image *mask;
 } technique_picture;
 
 /* One recording on its way through the techniques. */
 typedef struct technique_run {
   device *device;
   const csm_config *config;
+  uint64_t settings;       /* another number for each configuration of each cascades */
   const plan_frame *plan;  /* of the cascades */
   const void *constants;   /* csm_constants of csm_constants.h */
   uint32_t constants_size; /* in bytes */

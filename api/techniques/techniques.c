@@ -3,12 +3,14 @@
 #include "device/clock.h"
 #include "techniques/camera_depth/camera_depth.h"
 #include "techniques/depth_samples/depth_samples.h"
+#include "techniques/history/history.h"
 #include "techniques/maps/maps.h"
 #include "techniques/mask/mask.h"
 #include "techniques/moments/moments.h"
 
 static const technique *const of_cascades[] = {&technique_maps, &technique_moments};
-static const technique *const of_views[] = {&technique_camera_depth, &technique_mask, &technique_depth_samples};
+static const technique *const of_views[] = {&technique_camera_depth, &technique_mask, &technique_history,
+                                           &technique_depth_samples};
 
 enum {
   OF_CASCADES = sizeof of_cascades / sizeof of_cascades[0],

@@ -64,7 +64,14 @@ static const texel_format texel_formats[] = {
     {DXGI_FORMAT_R16G16B16A16_FLOAT, GPU_TEXELS_NORMALS, GPU_NUMBERS_FLOAT, 11},
     {DXGI_FORMAT_R32G32B32_FLOAT, GPU_TEXELS_NORMALS, GPU_NUMBERS_FLOAT, 24},
     {DXGI_FORMAT_R32G32B32A32_FLOAT, GPU_TEXELS_NORMALS, GPU_NUMBERS_FLOAT, 24},
+    {DXGI_FORMAT_R16G16_FLOAT, GPU_TEXELS_MOTION, GPU_NUMBERS_FLOAT, 11},
+    {DXGI_FORMAT_R32G32_FLOAT, GPU_TEXELS_MOTION, GPU_NUMBERS_FLOAT, 24},
+    {DXGI_FORMAT_R16G16B16A16_FLOAT, GPU_TEXELS_MOTION, GPU_NUMBERS_FLOAT, 11},
+    {DXGI_FORMAT_R32G32B32A32_FLOAT, GPU_TEXELS_MOTION, GPU_NUMBERS_FLOAT, 24},
 };
+
+/* In words, by gpu_texels. */
+static const char *const texel_names[] = {"depth", "normals", "motion"};
 
 /* NULL if it holds no such texels. */
 static const texel_format *find_format(uint32_t format, gpu_texels texels) {
@@ -75,7 +82,7 @@ static const texel_format *find_format(uint32_t format, gpu_texels texels) {
 }
 
 /* What is wrong with an image, or NULL. */
-static const char *image_fault(const csm_d3d12_image *image, gpu_texels texels, const D3D12_RESOURCE_DESC *resource) {
+static const char *image_fault(const csm_d3d12_image *image, const D3D12_RESOURCE_DESC *resource) {
   if (resource->Dimension != D3D12_RESOURCE_DIMENSION_TEXTURE2D || resource->DepthOrArraySize != 1)
     return "resource is not a 2D texture of one layer";
   if (resource->SampleDesc.Count != 1)
@@ -84,8 +91,6 @@ static const char *image_fault(const csm_d3d12_image *image, gpu_texels texels, 
     return "resource denies shaders";
   if (!image->width || !image->height || image->width > resource->Width || image->height > resource->Height)
     return "width or height is not within the resource";
-  if (!find_format(image->format, texels))
-    return texels == GPU_TEXELS_DEPTH ? "format is none that holds depth" : "format is none that holds normals";
   return NULL;
 }
 
@@ -100,9 +105,13 @@ csm_result d3d12_image_import(gpu_device *device, const void *native_image, gpu_
     return lent_fail(&device->lent, CSM_ERROR_NULL_POINTER, "csm_d3d12_image: resource is NULL");
   ID3D12Resource *resource = native.resource;
   const D3D12_RESOURCE_DESC description = ID3D12Resource_GetDesc(resource);
-  const char *fault = image_fault(&native, texels, &description);
+  const char *fault = image_fault(&native, &description);
   if (fault)
     return lent_fail(&device->lent, CSM_ERROR_INVALID_VALUE, "csm_d3d12_image: %s", fault);
+  const texel_format *format = find_format(native.format, texels);
+  if (!format)
+    return lent_fail(&device->lent, CSM_ERROR_INVALID_VALUE, "csm_d3d12_image: format is none that holds %s",
+                     texel_names[texels]);
   gpu_image *image = lent_allocate(&device->lent, sizeof *image);
   if (!image)
     return CSM_ERROR_OUT_OF_MEMORY;
@@ -113,7 +122,6 @@ csm_result d3d12_image_import(gpu_device *device, const void *native_image, gpu_
   image->layer_count = image->level_count = 1;
   image->resource.handle = resource;
   ID3D12Resource_AddRef(resource);
-  const texel_format *format = find_format(native.format, texels);
   *about =
       (gpu_imported){.width = native.width, .height = native.height, .numbers = format->numbers, .bits = format->bits};
   *out = image;

@@ -124,7 +124,14 @@ static const texel_format texel_formats[] = {
     {VK_FORMAT_R16G16B16A16_SFLOAT, GPU_TEXELS_NORMALS, GPU_NUMBERS_FLOAT, 11},
     {VK_FORMAT_R32G32B32_SFLOAT, GPU_TEXELS_NORMALS, GPU_NUMBERS_FLOAT, 24},
     {VK_FORMAT_R32G32B32A32_SFLOAT, GPU_TEXELS_NORMALS, GPU_NUMBERS_FLOAT, 24},
+    {VK_FORMAT_R16G16_SFLOAT, GPU_TEXELS_MOTION, GPU_NUMBERS_FLOAT, 11},
+    {VK_FORMAT_R32G32_SFLOAT, GPU_TEXELS_MOTION, GPU_NUMBERS_FLOAT, 24},
+    {VK_FORMAT_R16G16B16A16_SFLOAT, GPU_TEXELS_MOTION, GPU_NUMBERS_FLOAT, 11},
+    {VK_FORMAT_R32G32B32A32_SFLOAT, GPU_TEXELS_MOTION, GPU_NUMBERS_FLOAT, 24},
 };
+
+/* In words, by gpu_texels. */
+static const char *const texel_names[] = {"depth", "normals", "motion"};
 
 /* NULL if it holds no such texels. */
 static const texel_format *find_format(uint32_t format, gpu_texels texels) {
@@ -143,7 +150,7 @@ static csm_result check_image(const gpu_device *device, const csm_vulkan_image *
                      native->layout);
   if (!find_format(native->format, texels))
     return lent_fail(&device->lent, CSM_ERROR_INVALID_VALUE, "csm_vulkan_image: format %u is none that holds %s",
-                     native->format, texels == GPU_TEXELS_DEPTH ? "depth" : "normals");
+                     native->format, texel_names[texels]);
   if (!native->width || !native->height || native->reserved)
     return lent_fail(&device->lent, CSM_ERROR_INVALID_VALUE, "csm_vulkan_image: %s",
                      native->reserved ? "reserved is not 0" : "a size of 0");

@@ -142,6 +142,8 @@ static json_t *backend_to_json(const measurement *m, uint32_t i) {
   json_object_set_new(object, "maps_gpu_ms", json_real(stage_maps_ms(stats)));
   json_object_set_new(object, "camera_depth_gpu_ms", json_real(stats->mask.camera_depth_gpu_ms));
   json_object_set_new(object, "mask_gpu_ms", json_real(stage_mask_ms(stats)));
+  if (m->setup.config.history)
+    json_object_set_new(object, "history_gpu_ms", json_real(stats->mask.history_gpu_ms));
   return object;
 }
 
@@ -224,16 +226,20 @@ static void print_path(FILE *to, const measurement *m) {
   const char *names[HOST_BACKENDS];
   metrics pooled[HOST_BACKENDS];
   flicker flickers[HOST_BACKENDS];
+  ghosts histories[HOST_BACKENDS];
   for (uint32_t i = 0; i < m->count; i++) {
     names[i] = m->stages[i].backend;
     pooled[i] = m->results[i].pooled;
     flickers[i] = m->results[i].flicker;
+    histories[i] = m->results[i].ghosts;
   }
   print_setup(to, m);
   fprintf(to, "path: %u frames as one; truth cast in %.2f s, %u of %u answers from before\n\n", m->path.count,
           m->store.cast_ms * 1e-3, m->store.loaded, m->store.cast + m->store.loaded);
   metrics_print(to, pooled, names, m->count);
   flicker_print(to, flickers, m->count);
+  if (m->setup.config.history)
+    ghosts_print(to, histories, m->count);
 }
 
 static json_t *path_to_json(const measurement *m) {
@@ -241,9 +247,15 @@ static json_t *path_to_json(const measurement *m) {
   for (uint32_t i = 0; i < m->count; i++) {
     const path_result *result = &m->results[i];
     json_t *backend = json_object(), *pooled = metrics_to_json(&result->pooled), *frames = json_array();
-    for (uint32_t f = 0; f < m->path.count; f++)
-      json_array_append_new(frames, metrics_to_json(&result->frames[f]));
+    for (uint32_t f = 0; f < m->path.count; f++) {
+      json_t *frame = metrics_to_json(&result->frames[f]);
+      if (result->histories)
+        ghosts_to_json(frame, &result->histories[f]);
+      json_array_append_new(frames, frame);
+    }
     flicker_to_json(pooled, &result->flicker);
+    if (result->histories)
+      ghosts_to_json(pooled, &result->ghosts);
     json_object_set_new(backend, "name", json_string(m->stages[i].backend));
     json_object_set_new(backend, "device", json_string(m->stages[i].device));
     json_object_set_new(backend, "driver", json_string(m->stages[i].driver));

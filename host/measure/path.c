@@ -86,6 +86,7 @@ typedef struct path_frame {
   truth_view view;
   float *visibility;
   float *masks[HOST_BACKENDS];
+  float *alone[HOST_BACKENDS]; /* masks without a history: the same, where none is kept */
   uint8_t *kinds[HOST_BACKENDS];
   float *cascades[HOST_BACKENDS]; /* which each point takes */
 } path_frame;
@@ -107,6 +108,11 @@ static size_t picture_pixels(const walk *w) {
   return (size_t)w->stages[0].setup->width * w->stages[0].setup->height;
 }
 
+/* Whether masks are accumulated. */
+static bool keeps_history(const walk *w) {
+  return w->stages[0].setup->config.history == CSM_HISTORY_ON;
+}
+
 static void allocate_frames(walk *w) {
   const size_t pixels = picture_pixels(w);
   for (int f = 0; f < 2; f++) {
@@ -117,6 +123,7 @@ static void allocate_frames(walk *w) {
     frame->visibility = host_allocate(pixels, sizeof *frame->visibility);
     for (uint32_t b = 0; b < w->count; b++) {
       frame->masks[b] = host_allocate(pixels, sizeof *frame->masks[b]);
+      frame->alone[b] = keeps_history(w) ? host_allocate(pixels, sizeof *frame->alone[b]) : frame->masks[b];
       frame->cascades[b] = host_allocate(pixels, sizeof *frame->cascades[b]);
       frame->kinds[b] = host_allocate(pixels, sizeof *frame->kinds[b]);
     }
@@ -133,6 +140,8 @@ static void free_frames(walk *w) {
     free(w->frames[f].view.surfaces);
     free(w->frames[f].visibility);
     for (uint32_t b = 0; b < w->count; b++) {
+      if (keeps_history(w))
+        free(w->frames[f].alone[b]);
       free(w->frames[f].masks[b]);
       free(w->frames[f].cascades[b]);
       free(w->frames[f].kinds[b]);
@@ -170,7 +179,11 @@ static int cast_pair(walk *w, uint32_t index, const path_frame *before) {
 
 /* This frame's maps, asked at the very points that the frame before saw. */
 static int compare_with(walk *w, uint32_t index, uint32_t b, const path_frame *before) {
-  const int code = stage_mask(&w->stages[b], before->view.camera, w->later_mask, NULL, w->later_cascades);
+  stage *on = &w->stages[b];
+  int code = keeps_history(w) ? stage_mask_alone(on, before->view.camera, w->later_mask)
+                              : stage_mask(on, before->view.camera, w->later_mask, NULL, NULL);
+  if (code == 0)
+    code = stage_cascades(on, before->view.camera, w->later_cascades);
   if (code)
     return code;
   const flicker_pair pair = {.view = &before->view,
@@ -181,7 +194,7 @@ static int compare_with(walk *w, uint32_t index, uint32_t b, const path_frame *b
                              .shadow_distance = w->stages[b].setup->shadow_distance,
                              .cascades = {before->cascades[b], w->later_cascades},
                              .visibility = {before->visibility, w->later_visibility},
-                             .masks = {before->masks[b], w->later_mask}};
+                             .masks = {before->alone[b], w->later_mask}};
   flicker_add(&w->results[b].flicker, &pair);
   if (w->path->each) {
     flicker alone = {0};
@@ -189,6 +202,15 @@ static int compare_with(walk *w, uint32_t index, uint32_t b, const path_frame *b
     w->path->each(w->path->user, index, &alone);
   }
   return 0;
+}
+
+/* What the history made of a frame that is drawn and measured. */
+static int add_ghosts(walk *w, uint32_t index, uint32_t b, const path_frame *frame, const metrics_frame *drawn) {
+  ghosts *sums[] = {&w->results[b].histories[index], &w->results[b].ghosts};
+  const int code = stage_mask_alone(&w->stages[b], frame->view.camera, frame->alone[b]);
+  for (int i = 0; code == 0 && i < 2; i++)
+    ghosts_add(sums[i], drawn, frame->kinds[b], frame->alone[b]);
+  return code;
 }
 
 static int draw_frame(walk *w, uint32_t index, uint32_t b, path_frame *frame, const path_frame *before) {
@@ -206,7 +228,8 @@ static int draw_frame(walk *w, uint32_t index, uint32_t b, path_frame *frame, co
                                .visibility = frame->visibility,
                                .mask = frame->masks[b],
                                .view_depth = w->view_depth};
-  return metrics_measure(&w->results[b].frames[index], &drawn, frame->kinds[b]);
+  code = metrics_measure(&w->results[b].frames[index], &drawn, frame->kinds[b]);
+  return code || !keeps_history(w) ? code : add_ghosts(w, index, b, frame, &drawn);
 }
 
 static int walk_frame(walk *w, uint32_t index) {
@@ -230,7 +253,9 @@ int measure_path_run(path_result *results, const measure_path *path, truth_store
   int code = 0;
   allocate_frames(&w);
   for (uint32_t b = 0; b < count; b++)
-    results[b] = (path_result){.frames = host_allocate(path->count, sizeof *results[b].frames)};
+    results[b] = (path_result){
+        .frames = host_allocate(path->count, sizeof *results[b].frames),
+        .histories = keeps_history(&w) ? host_allocate(path->count, sizeof *results[b].histories) : NULL};
   for (uint32_t index = 0; code == 0 && index < path->count; index++)
     code = walk_frame(&w, index);
   for (uint32_t b = 0; code == 0 && b < count; b++)
@@ -242,5 +267,6 @@ int measure_path_run(path_result *results, const measure_path *path, truth_store
 
 void path_result_free(path_result *result) {
   free(result->frames);
+  free(result->histories);
   *result = (path_result){0};
 }

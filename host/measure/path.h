@@ -3,6 +3,7 @@
 #define HOST_MEASURE_PATH_H
 
 #include "metrics/flicker.h"
+#include "metrics/ghosts.h"
 #include "stage/stage.h"
 #include "truth/store.h"
 
@@ -28,7 +29,9 @@ void measure_path_free(measure_path *path);
 typedef struct path_result {
   metrics *frames; /* one for each */
   metrics pooled;
-  flicker flicker;
+  flicker flicker;   /* of frames without a history */
+  ghosts *histories; /* one for each frame; NULL: the configuration keeps no history */
+  ghosts ghosts;     /* of all of them */
 } path_result;
 
 /*

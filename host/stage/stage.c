@@ -191,14 +191,18 @@ int stage_render(stage *s) {
   return exit_code(result);
 }
 
-static csm_result resolve(stage *s, uint32_t show) {
+static csm_result resolve_on(stage *s, csm_view *view, uint32_t show) {
   const csm_mask_info info = {.struct_size = sizeof info,
                               .flags = s->frame.flags,
                               .frame = &s->frame,
                               .width = s->setup->width,
                               .height = s->setup->height,
                               .show = show};
-  return csm_resolve_mask(s->view, s->cascades, &info);
+  return csm_resolve_mask(view, s->cascades, &info);
+}
+
+static csm_result resolve(stage *s, uint32_t show) {
+  return resolve_on(s, s->view, show);
 }
 
 int stage_draw(stage *s, stage_stats *stats) {
@@ -226,6 +230,8 @@ static void median_times(stage_stats *out, const stage_stats timed[TIMED_FRAMES]
   out->mask.camera_depth_gpu_ms =
       middle_of_three(a->mask.camera_depth_gpu_ms, b->mask.camera_depth_gpu_ms, c->mask.camera_depth_gpu_ms);
   out->mask.mask_gpu_ms = middle_of_three(a->mask.mask_gpu_ms, b->mask.mask_gpu_ms, c->mask.mask_gpu_ms);
+  out->mask.history_gpu_ms =
+      middle_of_three(a->mask.history_gpu_ms, b->mask.history_gpu_ms, c->mask.history_gpu_ms);
   for (uint32_t k = 0; k < out->maps.cascade_count; k++)
     out->maps.cascades[k].gpu_ms =
         middle_of_three(a->maps.cascades[k].gpu_ms, b->maps.cascades[k].gpu_ms, c->maps.cascades[k].gpu_ms);
@@ -285,6 +291,9 @@ int stage_capture(stage *s, stage_frame *out) {
   stage_stats timed[TIMED_FRAMES];
   *out = (stage_frame){0};
   int code = stage_draw(s, &timed[0]);
+  const csm_config *config = &s->setup->config;
+  for (uint32_t i = TIMED_FRAMES + 1; config->history && code == 0 && i < config->history_frames; i++)
+    code = stage_draw(s, &timed[0]);
   for (int i = 0; code == 0 && i < TIMED_FRAMES; i++)
     code = stage_draw(s, &timed[i]);
   if (code == 0)
@@ -301,6 +310,13 @@ int stage_draw_from(stage *s, const camera *from, const scene_light *light) {
   return exit_code(csm_render_cascades(s->cascades, &s->frame));
 }
 
+int stage_cascades(stage *s, const camera *from, float *cascades) {
+  s->frame.flags = 0;
+  stage_look(s, from);
+  const int code = exit_code(resolve(s, CSM_SHOW_CASCADE));
+  return code ? code : read_into(s, CSM_READ_MASK, 0, (size_t)s->setup->width * s->setup->height, cascades);
+}
+
 int stage_mask(stage *s, const camera *from, float *mask, float *view_depth, float *cascades) {
   const size_t pixels = (size_t)s->setup->width * s->setup->height;
   s->frame.flags = 0;
@@ -310,11 +326,25 @@ int stage_mask(stage *s, const camera *from, float *mask, float *view_depth, flo
     code = read_into(s, CSM_READ_MASK, 0, pixels, mask);
   if (code == 0 && view_depth)
     code = read_into(s, CSM_READ_VIEW_DEPTH, 0, pixels, view_depth);
-  if (code == 0 && cascades)
-    code = exit_code(resolve(s, CSM_SHOW_CASCADE));
-  if (code == 0 && cascades)
-    code = read_into(s, CSM_READ_MASK, 0, pixels, cascades);
-  return code;
+  return code == 0 && cascades ? stage_cascades(s, from, cascades) : code;
+}
+
+int stage_mask_alone(stage *s, const camera *from, float *mask) {
+  csm_view *view = NULL;
+  s->frame.flags = 0;
+  stage_look(s, from);
+  csm_result result = csm_view_create(s->context, &view);
+  if (result == CSM_SUCCESS)
+    result = resolve_on(s, view, CSM_SHOW_VISIBILITY);
+  const csm_read_info info = {.struct_size = sizeof info,
+                              .source = CSM_READ_MASK,
+                              .view = view,
+                              .data = mask,
+                              .size = (uint64_t)s->setup->width * s->setup->height * sizeof *mask};
+  if (result == CSM_SUCCESS)
+    result = csm_read(s->context, &info);
+  csm_view_destroy(view);
+  return exit_code(result);
 }
 
 void stage_frame_free(stage_frame *frame) {
@@ -337,9 +367,9 @@ double stage_maps_ms(const stage_stats *stats) {
 }
 
 double stage_mask_ms(const stage_stats *stats) {
-  return stats->mask.mask_gpu_ms;
+  return stats->mask.mask_gpu_ms + fmax(stats->mask.history_gpu_ms, 0.0);
 }
 
 double stage_view_ms(const stage_stats *stats) {
-  return stats->mask.camera_depth_gpu_ms + stats->mask.mask_gpu_ms;
+  return stats->mask.camera_depth_gpu_ms + stage_mask_ms(stats);
 }

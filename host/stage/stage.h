@@ -96,8 +96,14 @@ int stage_draw_from(stage *s, const camera *from, const scene_light *light);
  */
 int stage_mask(stage *s, const camera *from, float *mask, float *view_depth, float *cascades);
 
+/* CSM_SHOW_CASCADE alone, likewise. */
+int stage_cascades(stage *s, const camera *from, float *cascades);
+/* The same mask as a view has it that begins: without a history. */
+int stage_mask_alone(stage *s, const camera *from, float *mask);
+
 /*
- * Draws the cascades and the mask with timestamps, after a frame that warms up; GPU times are the medians of three.
+ * Draws the cascades and the mask with timestamps, after a frame that warms up, and, with a history, as many more as make
+ * history_frames; GPU times are the medians of three.
  * Reads everything back. 0, or a code after a message; stage_frame_free is always allowed.
  */
 int stage_capture(stage *s, stage_frame *out);
@@ -106,7 +112,7 @@ void stage_frame_free(stage_frame *frame);
 /* Texels of a cascade's map. */
 size_t stage_map_texels(const stage_frame *frame, uint32_t cascade);
 
-/* Milliseconds on the GPU: of the clear and every cascade, of the mask alone, of the mask and the camera's depth. */
+/* Milliseconds on the GPU: of the clear and every cascade, of the mask with its history, of these and the camera's depth. */
 double stage_maps_ms(const stage_stats *stats);
 double stage_mask_ms(const stage_stats *stats);
 double stage_view_ms(const stage_stats *stats);

@@ -36,11 +36,15 @@
 #define CSM_S_KERNEL 52  /* filter, its taps or points, radius in texels, 1 / sum of the weights */
 #define CSM_S_OPTIONS 53 /* bias mode, early out, 1 or -1 if maps are reversed, an empty map's depth times that */
 #define CSM_S_WEIGHTS 54 /* four: weights of taps along an axis, from the middle outwards */
-#define CSM_S_OWN 58     /* slope max of a receiver's own surface, the filter's reach in texels, least share that says it */
-#define CSM_S_MOMENTS 59   /* exponent, negative exponent, moment bias, layers of depth */
-#define CSM_S_VARIANCE 60  /* least variance of z (-1 to 1) by range and format; deviation in m, in texels of slope; 1 / side in map's texels */
-#define CSM_S_BLEEDING 61  /* reduction, 1 / (1 - reduction), power, curve */
-#define CSM_S_LEVELS 62    /* highest level, sampling, most samples, texels of moments for one of the map */
+/* Slope max of a receiver's own surface, the filter's reach in texels, least share that says it; what a variance may be off */
+#define CSM_S_OWN 58
+/* Exponent (msm4: 1 if moments are packed), negative exponent, moment bias, layers of depth */
+#define CSM_S_MOMENTS 59
+/* Least variance of z (-1 to 1) by range and format; deviation in m, in texels of slope; 1 / the image's side in map's texels */
+#define CSM_S_VARIANCE 60
+#define CSM_S_BLEEDING 61 /* reduction, 1 / (1 - reduction), power, curve */
+/* Highest level; variance of where the blur's texels lie, in map's texels; most samples; texels of moments for one of the map */
+#define CSM_S_LEVELS 62
 #define CSM_S_SOFT 63      /* tangent of half the light's diameter, search taps, taps, most texels around */
 #define CSM_S_SOFT_MORE 64 /* penumbra, light's size as a share of a map, least texels around, the pattern's phase */
 #define CSM_C_COUNT 65

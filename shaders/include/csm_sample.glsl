@@ -18,8 +18,10 @@
 //                    which through comparisons alone gives the bilinear comparison
 //   CSM_DEPTH_ONLY   1: there is no sampler that compares, and no CSM_MAPS: all is read through CSM_DEPTHS
 //   CSM_MOMENTS      a sampler2DArray, the moments with a sampler that is linear, also between levels, and clamped, for
-//                    filters that read them (csm_moments, where a define fixes such a filter); without it those give one
-//                    bilinear comparison
+//                    filters that read them (csm_moments, where a define fixes such a filter); without it those are
+//                    pcf_3x3
+//   CSM_SOFT         1: filters pcss, vssm and backprojection are there too where no define fixes the filter; they make such
+//                    a shader large, and are pcf_3x3 there without this
 //   CSM_COMPARE(uv, layer, reference)   a bilinear comparison of the includer's own, to read through instead
 //   CSM_TEXEL_LIT(texel, layer, reference)   the comparison with one texel, by its index: 1 or 0, likewise
 //

@@ -15,8 +15,10 @@
 //   CSM_MAPS         the maps (csm_maps)
 //   CSM_POINT        a sampler, point and clamped: four texels are gathered at once then, which is faster
 //   CSM_MOMENTS      a Texture2DArray<float4>, the moments, for filters that read them (csm_moments, where a define fixes
-//                    such a filter); without it those give one bilinear comparison
+//                    such a filter); without it those are pcf_3x3
 //   CSM_LINEAR       a sampler for it: linear, also between levels, clamped (csm_linear)
+//   CSM_SOFT         1: filters pcss, vssm and backprojection are there too where no define fixes the filter; they make such
+//                    a shader large, and are pcf_3x3 there without this
 //   CSM_COMPARE(uv, layer, reference)   a bilinear comparison of the includer's own, to read through instead
 //   CSM_TEXEL_LIT(texel, layer, reference)   the comparison with one texel, by its index: 1 or 0, likewise
 // No sampler that compares is needed, unless CSM_COMPARE has one: filter linear_depth gives the bilinear comparison there.

@@ -56,8 +56,8 @@ def change_axis(folder):
 
 last = (shaders / "dxbc/MANIFEST").read_text().split("\n")[-2].split()[0]
 drifts = {
-    "a changed shader": (name, lambda f: append(f / first.name, "// changed\n")),
-    "a changed include": (included, lambda f: append(f / "include/csm_constants.h", "// changed\n")),
+    "a changed shader": (name, lambda f: append(f / first.name, "static const float changed = 1.0;\n")),
+    "a changed include": (included, lambda f: append(f / "include/csm_constants.h", "static const float changed = 1.0;\n")),
     "another blob": (last, change_blob),
     "a lost blob": (last, lose_blob),
     "a new shader": ("new.vs.hlsl", lambda f: shutil.copy(first, f / "new.vs.hlsl")),

@@ -76,6 +76,9 @@ csm_float2 operator-(csm_float2 a, float b) {
 csm_float2 operator*(csm_float2 a, float b) {
   return csm_float2(a.x * b, a.y * b);
 }
+csm_float2 operator*(float a, csm_float2 b) {
+  return b * a;
+}
 csm_float4 operator+(csm_float4 a, csm_float4 b) {
   return csm_float4(a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w);
 }
@@ -105,6 +108,18 @@ float sqrt(float a) {
 }
 float floor(float a) {
   return std::floor(a);
+}
+float ceil(float a) {
+  return std::ceil(a);
+}
+float exp(float a) {
+  return std::exp(a);
+}
+float log2(float a) {
+  return std::log2(a);
+}
+float pow(float a, float b) {
+  return std::pow(a, b);
 }
 float cos(float a) {
   return std::cos(a);
@@ -149,6 +164,54 @@ csm_float4 depths_of(csm_float2 texel, float layer) {
                     depth_of(texel.x, texel.y + 1, layer), depth_of(texel.x + 1, texel.y + 1, layer));
 }
 
+// One level of the moments' image, bilinear and clamped, at a place in texels of the map.
+struct moments_bound {
+  const float *texels; // levels from the largest on, each with its layers
+  int side, layers, levels;
+  bool outside; // whether a texel of the clamped border would have been read
+};
+moments_bound moments;
+
+csm_float4 moments_texel(int x, int y, int layer, int level) {
+  const float *from = moments.texels;
+  for (int i = 0; i < level; ++i)
+    from += 4L * (moments.side >> i) * (moments.side >> i) * moments.layers;
+  const int side = moments.side >> level;
+  from += 4L * ((long(layer) * side + y) * side + x);
+  return csm_float4(from[0], from[1], from[2], from[3]);
+}
+
+float mixed(float share, float a, float b) {
+  return csm_mad(share, b - a, a);
+}
+
+csm_float4 mixed(float share, csm_float4 a, csm_float4 b) {
+  return csm_float4(mixed(share, a.x, b.x), mixed(share, a.y, b.y), mixed(share, a.z, b.z), mixed(share, a.w, b.w));
+}
+
+csm_float4 moments_at(csm_float2 texel, float layer, float level) {
+  if (!(layer >= 0 && layer < moments.layers && level >= 0 && level < moments.levels)) {
+    moments.outside = true;
+    return csm_float4();
+  }
+  const int side = moments.side >> int(level);
+  const float scale = float(side) * bound.constants[CSM_S_VARIANCE].w;
+  const csm_float2 place = csm_float2(texel.x * scale - 0.5f, texel.y * scale - 0.5f), first = floor(place);
+  int at[4];
+  for (int i = 0; i < 4; ++i) {
+    const float from = i < 2 ? first.x : first.y, share = (i < 2 ? place.x : place.y) - from;
+    const int index = int(from) + (i & 1), inside = index < 0 ? 0 : index >= side ? side - 1 : index;
+    moments.outside = moments.outside || (index != inside && (i & 1 ? share : 1 - share) > 1e-4f);
+    at[i] = inside;
+  }
+  const int l = int(layer), k = int(level);
+  const csm_float2 share = place - first;
+  const csm_float4 top = mixed(share.x, moments_texel(at[0], at[2], l, k), moments_texel(at[1], at[2], l, k));
+  const csm_float4 bottom = mixed(share.x, moments_texel(at[0], at[3], l, k), moments_texel(at[1], at[3], l, k));
+  return mixed(share.y, top, bottom);
+}
+
+#define CSM_MOMENTS_AT(texel, layer, level) moments_at(texel, layer, level)
 #define CSM_CONSTANT(i) bound.constants[i]
 #define CSM_DEPTHS_4(texel, layer) depths_of(texel, layer)
 #define CSM_TEXEL_LIT(texel, layer, reference)                                                                         \
@@ -241,6 +304,51 @@ float sampler_filter(float x, float y, float depth) {
   spot.rect = shader::bound.constants[CSM_C_RECTS];
   spot.pattern = csm_float2(1, 0);
   return csm_filter(spot);
+}
+
+void sampler_bind_moments(const float *texels, uint32_t side, uint32_t layers, uint32_t levels) {
+  shader::moments = {texels, int(side), int(layers), int(levels), false};
+}
+
+int sampler_moments_read_outside(void) {
+  return shader::moments.outside;
+}
+
+void sampler_moments_of(float out[4], float depth, float slice) {
+  const csm_float4 m = csm_moments_of(depth, slice);
+  const float all[] = {m.x, m.y, m.z, m.w};
+  for (int i = 0; i < 4; ++i)
+    out[i] = all[i];
+}
+
+float sampler_filter_spot(const sampler_spot *at) {
+  csm_spot spot;
+  spot.place = csm_float2(at->place[0], at->place[1]);
+  spot.depth = at->depth;
+  spot.last = CSM_LAST;
+  spot.rect = shader::bound.constants[CSM_C_RECTS];
+  spot.pattern = csm_float2(1, 0);
+  spot.across = csm_float2(at->across[0], at->across[1]);
+  spot.down = csm_float2(at->down[0], at->down[1]);
+  spot.slope = at->slope;
+  spot.texel = at->texel;
+  spot.metre = at->metre;
+  spot.room = at->room;
+  spot.cascade = 0;
+  return csm_filter(spot);
+}
+
+void sampler_in_texels(float out[2], int cascade, const float step[3]) {
+  csm_found found;
+  found.scale = shader::bound.constants[CSM_C_SCALES + cascade].xyz;
+  found.cascade = cascade;
+  const csm_float2 texels = csm_in_texels(found, vector(step), csm_rect(found).z * 0.5f);
+  out[0] = texels.x;
+  out[1] = texels.y;
+}
+
+float sampler_less_bleeding(float lit) {
+  return csm_less_bleeding(lit);
 }
 
 void sampler_poisson(float out[16][2]) {

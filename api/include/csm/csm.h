@@ -470,10 +470,12 @@ enum {
   CSM_SHOW_VISIBILITY = 0,
   CSM_SHOW_CASCADE = 1, /* (cascade + 1) / 255, of the cascade that the point takes by `selection`: where two blend, of
                            the nearer one, and where blending is dithered, of the one that the point got */
-  CSM_SHOW_DENSITY = 2  /* texels of that cascade's map for a pixel: (128 + 16 * log2(n)) / 255, the sum rounded and
+  CSM_SHOW_DENSITY = 2, /* texels of that cascade's map for a pixel: (128 + 16 * log2(n)) / 255, the sum rounded and
                            clamped to 1..255. n is the larger of the two distances in the map, in texels, that the point
                            moves by from this pixel to the next one along a row and along a column of the mask, on its
                            own surface: 1 is one texel for each pixel, less is coarse, more is wasted */
+  CSM_SHOW_HISTORY = 4 /* with csm_config.history: how many frames the pixel of the mask is the mean of, as n / 255. The mask
+                          is accumulated as it is for visibility */
 };
 
 typedef struct csm_mask_info {

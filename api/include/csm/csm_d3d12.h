@@ -57,12 +57,12 @@ typedef struct csm_d3d12_device {
   void *memory_user;
 } csm_d3d12_device;
 
-/* An image to sample: the camera's depth, or normals; in a state that pixel shaders read, and left in it. */
+/* An image to sample: the camera's depth, normals, or motion; in a state that pixel shaders read, and left in it. */
 typedef struct csm_d3d12_image {
   uint32_t struct_size;
   /* DXGI_FORMAT to view it with. Depth: R32_FLOAT, R32_FLOAT_X8X24_TYPELESS, R24_UNORM_X8_TYPELESS, R16_UNORM, R16_FLOAT.
      Normals: R8G8B8A8 and R16G16B16A16 as UNORM or SNORM, R16G16B16A16 and R32G32B32A32 as FLOAT, R32G32B32_FLOAT,
-     B8G8R8A8_UNORM, R10G10B10A2_UNORM. */
+     B8G8R8A8_UNORM, R10G10B10A2_UNORM. Motion: R16G16, R32G32, R16G16B16A16 and R32G32B32A32 as FLOAT. */
   uint32_t format;
   void *resource; /* ID3D12Resource*, 2D, one layer */
   uint32_t width, height;

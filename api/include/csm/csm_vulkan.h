@@ -72,7 +72,7 @@ typedef struct csm_vulkan_device {
 } csm_vulkan_device;
 
 /*
- * An image to sample: the camera's depth, or normals. It is readable by fragment shaders when the recording runs, and
+ * An image to sample: the camera's depth, normals, or motion. It is readable by fragment shaders when the recording runs, and
  * stays in its layout. The view is 2D, of one layer, and of the depth aspect for depth.
  */
 typedef struct csm_vulkan_image {
@@ -80,7 +80,8 @@ typedef struct csm_vulkan_image {
   uint32_t layout; /* VkImageLayout: SHADER_READ_ONLY_OPTIMAL, DEPTH_STENCIL_READ_ONLY_OPTIMAL or GENERAL */
   VkImageView view;
   /* VkFormat. Depth: D16, X8_D24, D24, D32, the same with S8, R16 and R32 as SFLOAT, R16_UNORM. Normals: RGBA8 and RGBA16
-     as UNORM or SNORM, RGBA16 and RGBA32 as SFLOAT, R32G32B32_SFLOAT, B8G8R8A8_UNORM, A2B10G10R10_UNORM. */
+     as UNORM or SNORM, RGBA16 and RGBA32 as SFLOAT, R32G32B32_SFLOAT, B8G8R8A8_UNORM, A2B10G10R10_UNORM. Motion: RG16,
+     RG32, RGBA16 and RGBA32 as SFLOAT. */
   uint32_t format;
   uint32_t width, height;
   uint32_t reserved; /* 0 */

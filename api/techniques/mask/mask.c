@@ -3,6 +3,7 @@
 #include "csm_constants.h"
 #include "techniques/drawn_image.h"
 #include "techniques/engine_image.h"
+#include "techniques/history/history.h"
 #include "techniques/inputs.h"
 #include "techniques/maps/maps.h"
 #include "techniques/mask/mask_programs.h"
@@ -17,13 +18,13 @@ _Static_assert(CSM_M_COUNT * 4 * sizeof(float) <= MASK_CAMERA_BLOCK, "MASK_CAMER
 typedef struct mask_state {
   drawn_images mask;
   inputs inputs[2][3]; /* without and with normals; moments: none, of one level, of more */
+  bool accumulated; /* what was drawn is one frame of the view's history, which has the mask */
   double gpu_ms;
   bool measured;
   /* of the recording on its way */
   ring_range ring;
   gpu_program *program;
   input *input;
-  bool normals, unorm_normals;
   plan_grain rounding; /* of what normals come from */
 } mask_state;
 
@@ -51,8 +52,8 @@ static csm_result import(device *device, const technique_picture *picture, engin
 static csm_result reserve(void *self, technique_run *run, const ring_range *ring) {
   mask_state *state = self;
   device *device = run->device;
-  const technique_picture *picture = run->picture;
-  const bool shows = picture->show != CSM_SHOW_VISIBILITY;
+  technique_picture *picture = run->picture;
+  const bool shows = picture->show != CSM_SHOW_VISIBILITY && !history_takes(run->config, picture);
   engine_imported normals = {0};
   state->ring = *ring;
   csm_result result =
@@ -67,9 +68,9 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
     return result;
   gpu_image *moments = shows ? NULL : moments_image(run->cascades, run->config);
   const uint32_t levels = !moments ? 0 : run->config->moment_levels > 1 ? 2 : 1;
-  state->normals = normals.image != NULL;
-  state->unorm_normals = normals.unorm;
-  state->rounding = state->normals ? normals.rounding : picture->depth_rounding;
+  picture->normals = normals;
+  picture->mask = drawn_image_next(&state->mask)->image;
+  state->rounding = normals.image ? normals.rounding : picture->depth_rounding;
   const gpu_bindings_info reads = {
       .name = "mask",
       .program = state->program,
@@ -77,7 +78,7 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
       .textures = {maps_image(run->cascades), picture->depth, moments ? moments : normals.image,
                    moments ? normals.image : NULL},
   };
-  return inputs_find(&state->inputs[state->normals][levels], device, &reads, &state->input);
+  return inputs_find(&state->inputs[normals.image != NULL][levels], device, &reads, &state->input);
 }
 
 static void write(void *self, const technique_run *run) {
@@ -85,13 +86,15 @@ static void write(void *self, const technique_run *run) {
   const technique_picture *picture = run->picture;
   char *blocks = state->ring.memory;
   memcpy(blocks, run->constants, run->constants_size);
+  if (history_takes(run->config, picture))
+    plan_write_phase((float *)blocks, history_phase(run->view));
   plan_write_mask_constants((float *)(blocks + MASK_CASCADES_BLOCK), run->plan,
                             &(plan_picture){.camera = picture->depth_camera,
                                             .width = picture->width,
                                             .height = picture->height,
                                             .show = picture->show,
-                                            .normals = state->normals,
-                                            .unorm_normals = state->unorm_normals,
+                                            .normals = picture->normals.image != NULL,
+                                            .unorm_normals = picture->normals.unorm,
                                             .rounding = state->rounding},
                             run->config);
 }
@@ -111,7 +114,7 @@ static void drop(void *self, device *device) {
   for (int normals = 0; normals < 2; ++normals)
     for (int levels = 0; levels < 3; ++levels)
       inputs_drop(&state->inputs[normals][levels], device);
-  state->measured = false;
+  state->measured = state->accumulated = false;
 }
 
 static void take_timing(void *self, const uint64_t *stamps, uint32_t count) {
@@ -142,18 +145,13 @@ static void record(void *self, const technique_run *run) {
   if (timed)
     gpu_timestamp(gpu, first + 1);
   state->mask.now->drawn = true;
+  state->accumulated = history_takes(run->config, run->picture);
 }
 
 static void bind(const void *self, device *device, csm_binding *binding) {
-  const drawn_image *mask = ((const mask_state *)self)->mask.now;
-  gpu_native_image native;
-  if (!mask || !mask->drawn)
-    return;
-  gpu_image_native(device->gpu, mask->image, &native);
-  binding->native_mask = native.image;
-  binding->native_mask_view = native.view;
-  if (binding->mask_descriptor)
-    gpu_image_describe(device->gpu, mask->image, binding->mask_descriptor);
+  const mask_state *state = self;
+  if (!state->accumulated)
+    drawn_image_bind(&state->mask, device, binding);
 }
 
 static void tell_view(const void *self, const device *device, csm_view_stats *stats) {
@@ -170,7 +168,7 @@ static void tell_view(const void *self, const device *device, csm_view_stats *st
 static csm_result find(const void *self, uint32_t source, uint32_t cascade, technique_image *out) {
   const mask_state *state = self;
   (void)cascade;
-  return source == CSM_READ_MASK ? drawn_image_find(&state->mask, out) : CSM_ERROR_UNSUPPORTED;
+  return source == CSM_READ_MASK && !state->accumulated ? drawn_image_find(&state->mask, out) : CSM_ERROR_UNSUPPORTED;
 }
 
 const technique technique_mask = {

@@ -1,0 +1,185 @@
+// The history of a mask: this frame's visibility, and the mean of the frames before it where they saw the same surface.
+// Out come visibility, how many frames it is the mean of, span and normal (csm_constants.h).
+#include "csm_history.h"
+#include "private/history_inputs.hlsl"
+
+cbuffer history_block : register(b0)
+{
+    float4 mask_c[CSM_H_COUNT]; // CSM_M_SIZE is what depth_steps reads of it
+};
+Texture2D<float> mask : register(t0);
+Texture2D<float> camera_depth : register(t1);
+Texture2D<float4> history : register(t2);
+#if HISTORY_NORMALS
+Texture2D<float4> normals : register(t3);
+#endif
+#if HISTORY_MOTION
+Texture2D<float4> motion : register(t4);
+#endif
+SamplerState csm_point : register(s0);
+#include "private/depth_steps.hlsl"
+
+static history_inputs inputs;
+
+float place_row(float4 row, float2 place, float depth)
+{
+    return mad(place.x, row.x, mad(place.y, row.y, mad(depth, row.z, row.w)));
+}
+
+float plane_row(float4 row, float2 steps, float origin)
+{
+    return mad(steps.x, row.x, mad(steps.y, row.y, mad(origin, row.w, -row.z)));
+}
+
+float product(float3 a, float3 b)
+{
+    return mad(a.x, b.x, mad(a.y, b.y, a.z * b.z));
+}
+
+// ---- normals, as one of 64 x 64 directions: an octahedron laid flat (Cigolle et al. 2014) ----
+
+float encode_normal(float3 n)
+{
+    float inverse = 1.0 / max(abs(n.x) + abs(n.y) + abs(n.z), 1e-30);
+    float u = n.x * inverse, v = n.z * inverse;
+    float right = u < 0.0 ? abs(v) - 1.0 : 1.0 - abs(v), up = v < 0.0 ? abs(u) - 1.0 : 1.0 - abs(u);
+    u = n.y < 0.0 ? right : u;
+    v = n.y < 0.0 ? up : v;
+    float column = clamp(floor(mad(u, 32.0, 32.0)), 0.0, 63.0), row = clamp(floor(mad(v, 32.0, 32.0)), 0.0, 63.0);
+    return mad(column, 64.0, row - 2048.0);
+}
+
+// Of no length in particular.
+float3 decode_normal(float code)
+{
+    float column = floor(mad(code, 1.0 / 64.0, 32.0));
+    float row = mad(column, -64.0, code + 2048.0);
+    float u = mad(column, 1.0 / 32.0, -31.5 / 32.0), v = mad(row, 1.0 / 32.0, -31.5 / 32.0);
+    float y = 1.0 - abs(u) - abs(v);
+    float x = y < 0.0 ? (u < 0.0 ? abs(v) - 1.0 : 1.0 - abs(v)) : u;
+    float z = y < 0.0 ? (v < 0.0 ? abs(u) - 1.0 : 1.0 - abs(u)) : v;
+    return float3(x, y, z);
+}
+
+// ---- a pixel's surface, now and in the earlier picture ----
+
+struct surface
+{
+    float3 normal;
+    float square;  // of the normal's length
+    float2 place;  // in the earlier picture, in pixels; far outside where there is none
+    float span;    // there
+    float2 slope;  // of the span, right and down
+};
+
+surface surface_at(float2 place, float depth)
+{
+    surface s;
+    float2 steps = depth_steps(place, depth);
+    float origin = mad(-steps.x, place.x, mad(-steps.y, place.y, depth));
+#if HISTORY_NORMALS
+    float3 n = normals.Load(int3(int2(place), 0)).xyz;
+    s.normal.x = mad(n.x, inputs.normal_0.x, inputs.normal_0.w);
+    s.normal.y = mad(n.y, inputs.normal_1.y, inputs.normal_1.w);
+    s.normal.z = mad(n.z, inputs.normal_2.z, inputs.normal_2.w);
+#else
+    s.normal.x = plane_row(inputs.normal_0, steps, origin);
+    s.normal.y = plane_row(inputs.normal_1, steps, origin);
+    s.normal.z = plane_row(inputs.normal_2, steps, origin);
+#endif
+    s.square = product(s.normal, s.normal);
+    float w = place_row(inputs.place_3, place, depth);
+    float scale = 1.0 / w;
+    s.place.x = place_row(inputs.place_0, place, depth) * scale;
+    s.place.y = place_row(inputs.place_1, place, depth) * scale;
+    s.span = place_row(inputs.place_2, place, depth) * scale;
+#if HISTORY_MOTION
+    float2 moved = motion.Load(int3(int2(place), 0)).xy;
+    s.place.x = mad(moved.x, inputs.size.x, place.x);
+    s.place.y = mad(moved.y, inputs.size.y, place.y);
+#endif
+    bool inside = w > 0.0 && abs(s.place.x) < 65536.0 && abs(s.place.y) < 65536.0;
+    s.place.x = inside ? s.place.x : -65536.0;
+    s.place.y = inside ? s.place.y : -65536.0;
+    float across = -plane_row(inputs.plane_2, steps, origin);
+    float inverse = abs(across) > 1e-30 ? 1.0 / across : 0.0;
+    s.slope.x = plane_row(inputs.plane_0, steps, origin) * inverse;
+    s.slope.y = plane_row(inputs.plane_1, steps, origin) * inverse;
+    return s;
+}
+
+// What earlier pixels add up to.
+struct found
+{
+    float visibility;
+    float frames;
+    float weight;
+};
+
+found add_tap(found sum, surface s, float2 pixel, float weight)
+{
+    float2 last = inputs.size.xy - 1.0;
+    float4 tap = history.Load(int3(int2(clamp(pixel.x, 0.0, last.x), clamp(pixel.y, 0.0, last.y)), 0));
+    float right = pixel.x + 0.5 - s.place.x, down = pixel.y + 0.5 - s.place.y;
+    float span = mad(right, s.slope.x, mad(down, s.slope.y, s.span));
+    float3 normal = decode_normal(tap.w);
+    bool there = pixel.x >= 0.0 && pixel.y >= 0.0 && pixel.x <= last.x && pixel.y <= last.y && tap.y > 0.0;
+    bool as_deep = abs(tap.z - span) <= mad(abs(span), inputs.limits.x, inputs.limits.y);
+    bool alike = product(normal, s.normal) >= inputs.limits.z * sqrt(product(normal, normal) * s.square);
+    float counts = there && as_deep && alike ? weight : 0.0;
+    sum.visibility = mad(counts, tap.x, sum.visibility);
+    sum.frames = mad(counts, tap.y, sum.frames);
+    sum.weight += counts;
+    return sum;
+}
+
+// The mean of the pixels around a place that saw the same surface.
+found find_history(surface s)
+{
+    float2 first = floor(s.place - 0.5);
+    float2 share = s.place - 0.5 - first;
+    found sum;
+    sum.visibility = 0.0;
+    sum.frames = 0.0;
+    sum.weight = 0.0;
+    sum = add_tap(sum, s, first, (1.0 - share.x) * (1.0 - share.y));
+    sum = add_tap(sum, s, float2(first.x + 1.0, first.y), share.x * (1.0 - share.y));
+    sum = add_tap(sum, s, float2(first.x, first.y + 1.0), (1.0 - share.x) * share.y);
+    sum = add_tap(sum, s, float2(first.x + 1.0, first.y + 1.0), share.x * share.y);
+    return sum;
+}
+
+// ---- what this frame says ----
+
+// The least and the greatest visibility around a pixel.
+float2 bounds_at(float2 place, float visibility)
+{
+    float4 size = inputs.size;
+    float2 uv = place * size.zw;
+    float4 a = mask.Gather(csm_point, float2(mad(size.z, -1.5, uv.x), mad(size.w, -1.5, uv.y)));
+    float4 b = mask.Gather(csm_point, float2(mad(size.z, 1.5, uv.x), mad(size.w, -1.5, uv.y)));
+    float4 c = mask.Gather(csm_point, float2(mad(size.z, -1.5, uv.x), mad(size.w, 1.5, uv.y)));
+    float4 d = mask.Gather(csm_point, float2(mad(size.z, 1.5, uv.x), mad(size.w, 1.5, uv.y)));
+    float4 least = min(min(a, b), min(c, d)), most = max(max(a, b), max(c, d));
+    return float2(min(min(min(least.x, least.y), min(least.z, least.w)), visibility),
+                  max(max(max(most.x, most.y), max(most.z, most.w)), visibility));
+}
+
+float4 main(history_inputs pixel) : SV_Target
+{
+    inputs = pixel;
+    float2 place = pixel.position.xy;
+    float depth = camera_depth.Load(int3(int2(place), 0));
+    float visibility = mask.Load(int3(int2(place), 0));
+    surface s = surface_at(place, depth);
+    found before = find_history(s);
+    float2 bounds = bounds_at(place, visibility);
+    bool seen = before.weight > 0.01;
+    float inverse = 1.0 / max(before.weight, 0.01);
+    float earlier = clamp(before.visibility * inverse, bounds.x, bounds.y);
+    float frames = seen ? min(mad(before.frames, inverse, 1.0), inputs.limits.w) : 1.0;
+    float mean = mad(earlier - visibility, 1.0 - 1.0 / frames, visibility);
+    float span = clamp(place_row(inputs.own, place, depth), -65504.0, 65504.0);
+    bool nothing = depth == inputs.clear.x;
+    return float4(nothing ? 1.0 : mean, nothing ? 0.0 : frames, nothing ? 0.0 : span, nothing ? 0.0 : encode_normal(s.normal));
+}
