@@ -65,7 +65,7 @@ static void judge_band(hard_run *run, const moment_scene *scene, const hard_pict
     }
   moment_scene_name(&scene->config, name, sizeof name);
   hard_figure_add(run, most, INFINITY, "1", "bleeding at 1 : %g, %s, %s", ratio, name, reduction);
-  hard_figure_add(run, off, 4e-6, "1", "off the closed form, %s, %s", name, reduction);
+  hard_figure_add(run, off, moment_scene_step, "1", "off the closed form, %s, %s", name, reduction);
 }
 
 static int draw_filter(hard_run *run, const double of[BANDS], uint32_t filter, const reduction *reduction) {
@@ -76,7 +76,7 @@ static int draw_filter(hard_run *run, const double of[BANDS], uint32_t filter, c
   config.bleeding_reduction = reduction->below;
   config.bleeding_power = reduction->power;
   config.bleeding_curve = reduction->curve;
-  int code = hard_restart(run, &config);
+  int code = hard_configure(run, &config);
   if (code == 0)
     code = hard_draw(run, &run->setup->camera, &run->setup->light, 0, &drawn);
   if (code == 0)

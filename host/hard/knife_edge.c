@@ -172,8 +172,7 @@ static int add_figures(hard_run *run, const knife *with, const place *at, const 
   const double bound = fmax(0.05 * width, fmax(profile.step, texel));
   const double wrong = fabs(seen[2] - seen[0] - width), moved = fabs(seen[1] - ends[1]);
   hard_figure_add(run, wrong / bound, with->stated ? INFINITY : 1.0, "1",
-                  "%s: width of a penumbra, of what it may be off, %g deg, %g m, sun at %g", with->name, at->disc_deg,
-                  at->height, at->sun_deg);
+                  "%s: width of a penumbra, of what it may be off, %g deg, %g m", with->name, at->disc_deg, at->height);
   hard_figure_add(run, moved / bound, with->stated ? INFINITY : 1.0, "1", "%s: place of the shadow's edge, likewise",
                   with->name);
   return 0;

@@ -53,7 +53,8 @@ static void add_figures(hard_run *run, const moment_scene *scene, const hard_pic
     place[2] = at[1];
     moment_scene_bounds(scene, place, bounds);
     hard_figure_add(run, lit, INFINITY, "1", "light under a gap of %g m, %s", gaps[i], name);
-    hard_figure_add(run, fmax(lit - bounds[1], bounds[0] - lit), 4e-6, "1", "off the closed form, %s", name);
+    hard_figure_add(run, fmax(lit - bounds[1], bounds[0] - lit), moment_scene_step, "1", "off the closed form, %s",
+                    name);
   }
   hard_figure_add(run, least_gap(scene, 0.5), INFINITY, "m", "the least gap that is seen, %s", name);
   hard_figure_add(run, least_gap(scene, 0.001), INFINITY, "m", "the least gap that is dark, %s", name);
@@ -67,7 +68,7 @@ static int draw_filter(hard_run *run, uint32_t filter, uint32_t layers, uint32_t
   config.moment_layers = layers;
   config.moment_format = format;
   config.moment_blur_texels = 2;
-  int code = hard_restart(run, &config);
+  int code = hard_configure(run, &config);
   if (code == 0)
     code = hard_draw(run, &run->setup->camera, &run->setup->light, 0, &drawn);
   if (code == 0)

@@ -7,6 +7,9 @@
  * Chebyshev leaves v / (v + gap^2) of the light, a thousandth at sqrt(999) = 31.6 deviations; an exponential leaves
  * exp(-c gap), a thousandth at ln(1000) / c = 6.91 / c. Both at once, and four moments: moment_model.h. To this comes
  * what a mean and a receiver may be off by rounding (moment_scene.h).
+ *
+ * A mask has 8 bits, in which a thousandth and 0 are the same, and so are 0.999 and 1. So what is lit is looked at with a
+ * reduction of bleeding, of which 0.99 is dark and 1 is lit: a step of the mask is then 4e-5 of the light.
  */
 #include "base/host.h"
 #include "hard/terrace.h"
@@ -35,11 +38,19 @@ static csm_config make_config(const host_setup *setup, const settings *s) {
 
 /* ---- what is judged ---- */
 
+/* What a reduction of bleeding leaves in the dark where lit steps are looked at. */
+static const double magnified = 0.99;
+
 typedef struct verdict {
   double darkest_lit, lightest_dark; /* the latter: of gaps above the least */
-  double least, seen; /* gaps, as shares of the range: the largest least one; the largest that is not dark */
-  uint32_t lit, dark; /* pixels */
+  double least, seen;                /* gaps, as shares of the range: the largest least one; the largest that is lit */
+  uint32_t lit, dark;                /* pixels */
 } verdict;
+
+/* Two masks: as it is, and magnified. */
+typedef struct pictures {
+  hard_picture plain, magnified;
+} pictures;
 
 /* In shares of the range, which are halves of z. */
 static double least_gap(const moment_scene *scene, const terrace_step *step) {
@@ -47,17 +58,18 @@ static double least_gap(const moment_scene *scene, const terrace_step *step) {
   return 0.5 * (moment_model_least_gap(&scene->model, z, 0.001) + scene->doubt);
 }
 
-static verdict judge(const hard_run *run, const moment_scene *scene, const hard_picture *drawn, double reach) {
+static verdict judge(const hard_run *run, const moment_scene *scene, const pictures *drawn, double reach) {
   verdict v = {.darkest_lit = 1.0};
   for (uint32_t y = 0; y < TERRACE_PIXELS; y++)
     for (uint32_t x = 0; x < TERRACE_PIXELS; x++) {
-      const double lit = drawn->mask[(size_t)y * TERRACE_PIXELS + x];
+      const size_t at = (size_t)y * TERRACE_PIXELS + x;
+      const double lit = drawn->plain.mask[at];
       terrace_step step;
       if (!terrace_step_at(&step, run->setup, x, y, reach))
         continue;
       if (step.gap == 0.0) {
         v.lit++;
-        v.darkest_lit = fmin(v.darkest_lit, lit);
+        v.darkest_lit = fmin(v.darkest_lit, magnified + (1.0 - magnified) * drawn->magnified.mask[at]);
         continue;
       }
       const double least = least_gap(scene, &step);
@@ -71,7 +83,7 @@ static verdict judge(const hard_run *run, const moment_scene *scene, const hard_
   return v;
 }
 
-static void add_figures(hard_run *run, const moment_scene *scene, const hard_picture *drawn) {
+static void add_figures(hard_run *run, const moment_scene *scene, const pictures *drawn) {
   const csm_config *config = &scene->config;
   const bool soft = config->filter == CSM_FILTER_VSSM;
   const double texels = config->moment_blur_texels + 2.0 + (soft ? 4.0 * config->soft_radius_max_texels : 0.0);
@@ -88,11 +100,17 @@ static void add_figures(hard_run *run, const moment_scene *scene, const hard_pic
 
 /* ---- the case ---- */
 
-static int draw_settings(hard_run *run, const settings *s, moment_scene *scene, hard_picture *drawn) {
-  const csm_config config = make_config(run->setup, s);
-  int code = hard_restart(run, &config);
+static int draw_settings(hard_run *run, const settings *s, moment_scene *scene, pictures *drawn) {
+  csm_config config = make_config(run->setup, s);
+  config.bleeding_reduction = magnified;
+  int code = hard_configure(run, &config);
   if (code == 0)
-    code = hard_draw(run, &run->setup->camera, &run->setup->light, 0, drawn);
+    code = hard_draw(run, &run->setup->camera, &run->setup->light, 0, &drawn->magnified);
+  config.bleeding_reduction = 0.0;
+  if (code == 0)
+    code = hard_configure(run, &config);
+  if (code == 0)
+    code = hard_draw(run, &run->setup->camera, &run->setup->light, 0, &drawn->plain);
   if (code == 0)
     code = moment_scene_read(scene, run, &config);
   if (code == 0)
@@ -101,19 +119,21 @@ static int draw_settings(hard_run *run, const settings *s, moment_scene *scene, 
 }
 
 /* Nine techniques, and for each all that there is of formats and blurs; the short form goes round among these. */
-static int draw_range(hard_run *run, uint32_t far, moment_scene *scene, hard_picture *drawn) {
-  static const settings techniques[] = {
-      {CSM_FILTER_VSM, 1, 0, 0, 0},   {CSM_FILTER_VSM, 2, 0, 0, 0},  {CSM_FILTER_VSM, 3, 0, 0, 0},
-      {CSM_FILTER_VSM, 4, 0, 0, 0},   {CSM_FILTER_ESM, 1, 0, 0, 0},  {CSM_FILTER_EVSM2, 1, 0, 0, 0},
-      {CSM_FILTER_EVSM4, 1, 0, 0, 0}, {CSM_FILTER_MSM4, 1, 0, 0, 0}, {CSM_FILTER_VSSM, 1, 0, 0, 0}};
+static int draw_range(hard_run *run, uint32_t far, moment_scene *scene, pictures *drawn) {
+  static const uint32_t techniques[][2] = {{CSM_FILTER_VSM, 1},   {CSM_FILTER_VSM, 2},  {CSM_FILTER_VSM, 3},
+                                           {CSM_FILTER_VSM, 4},   {CSM_FILTER_ESM, 1},  {CSM_FILTER_EVSM2, 1},
+                                           {CSM_FILTER_EVSM4, 1}, {CSM_FILTER_MSM4, 1}, {CSM_FILTER_VSSM, 1}};
+  static const uint32_t blurs[] = {0, 2, 7, 32};
+  const uint32_t blur_count = run->sweep ? 4 : 2;
   int code = 0;
   for (uint32_t i = 0; i < 9; i++)
-    for (uint32_t k = 0; code == 0 && k < 8; k++) {
-      settings s = techniques[i];
-      s.moments = k & 1;
-      s.map = k >> 1 & 1;
-      s.blur = k >> 2 & 1 ? 2 : 0;
-      if (run->sweep || (s.map == (i + s.moments + far) % 2 && (k >> 2 & 1) == (i / 2 + far) % 2))
+    for (uint32_t k = 0; code == 0 && k < 4 * blur_count; k++) {
+      const settings s = {.filter = techniques[i][0],
+                          .layers = techniques[i][1],
+                          .moments = k & 1,
+                          .map = k >> 1 & 1,
+                          .blur = blurs[k >> 2]};
+      if (run->sweep || (s.map == (i + s.moments + far) % 2 && (k >> 2) == (i / 2 + far) % 2))
         code = draw_settings(run, &s, scene, drawn);
     }
   return code;
@@ -123,7 +143,7 @@ static int run_case(hard_run *run) {
   /* Metres. The map's texels are of 17 cm, and 16 bits resolve 65535 of them. */
   static const double ranges[] = {100.0, 1e4};
   moment_scene scene = {0};
-  hard_picture drawn = {0};
+  pictures drawn = {0};
   int code = 0;
   for (uint32_t far = 0; code == 0 && far < 2; far++) {
     host_setup setup;
@@ -136,7 +156,8 @@ static int run_case(hard_run *run) {
     hard_unload(run);
     setup_free(&setup);
   }
-  hard_picture_free(&drawn);
+  hard_picture_free(&drawn.plain);
+  hard_picture_free(&drawn.magnified);
   moment_scene_free(&scene);
   return code;
 }

@@ -36,19 +36,31 @@ static double stores(const csm_config *config) {
   return config->moment_blur_texels > 0 || config->moment_levels > 1 ? 3.0 : 1.0;
 }
 
+/* How often a float is rounded that sums levels and samples up, is mixed with another, and compared. */
+static double sums(const csm_config *config) {
+  return 4.0 + (config->moment_levels > 1 ? 3.0 : 0.0) +
+         (config->moment_sampling == CSM_SAMPLING_ANISOTROPIC ? config->moment_anisotropy : 0.0);
+}
+
+static bool is_packed(const csm_config *config) {
+  return config->filter == CSM_FILTER_MSM4 && config->moment_format == CSM_MOMENTS_FLOAT16;
+}
+
 /*
  * What a moment is off by, as a share of itself, or, where it is 1 at most, at all: half of the last of 11 or 24 bits
- * for each time that it is stored, and of 24 bits for each step of the arithmetic, of which there are up to ten.
+ * for each time that it is stored, and of 24 bits for each step of the arithmetic. What is stored as sums of half its
+ * size is told from them as unpack does: an odd moment 1/3 + sqrt(3) times as well, an even one 1.125 times.
  */
-static double moment_error(const csm_config *config) {
+static double moment_error(const csm_config *config, uint32_t moment) {
   const double share = config->moment_format == CSM_MOMENTS_FLOAT16 ? 0x1p-11 : 0x1p-24;
-  const double sums = config->filter == CSM_FILTER_MSM4 ? 1.04 : 1.0; /* see unpack */
-  return (stores(config) * share + 10.0 * 0x1p-24) * (is_warped(config) ? 1.0 : 0.5 * sums);
+  const double packed = moment % 2 ? 1.125 / 2.0 : (1.0 / 3.0 + sqrt(3.0)) / 2.0;
+  return (stores(config) * share * (is_packed(config) ? packed : 1.0) + sums(config) * 0x1p-24) *
+         (is_warped(config) ? 1.0 : 0.5);
 }
 
 /* A share of exp(c z) is that share over c of z; exp itself may be off by 3 + 2 |c z| of its last places, twice. */
 static double mean_error(const csm_config *config, const moment_model *model) {
-  const double share = moment_error(config);
+  const double share = moment_error(config, 0);
   double largest = share;
   for (int i = 0; is_warped(config) && i < (config->filter == CSM_FILTER_EVSM4 ? 2 : 1); i++) {
     const double c = model->exponents[i], error = (2.0 * share + (3.0 + 2.0 * c) * 0x1p-22) / c;
@@ -82,7 +94,7 @@ static int read_moments(moment_scene *scene, const hard_run *run) {
 
 /*
  * Four moments in 16 bits are stored as sums (Peters 2017): 1.5 a - 2 c, 4 b - 4 d, sqrt(3) / 2 a - sqrt(12) / 9 c and
- * (b + d) / 2 of a to d, the second and the fourth less a half. What is off by e there is 1.04 e off here.
+ * (b + d) / 2 of a to d, the second and the fourth less a half.
  */
 static void unpack(moment_scene *scene) {
   for (size_t i = 0; i < (size_t)scene->moment_side * scene->moment_side; i++) {
@@ -107,7 +119,7 @@ int moment_scene_read(moment_scene *out, hard_run *run, const csm_config *config
   out->error = mean_error(config, &out->model);
   out->doubt = doubt_of(config, out->error);
   const int read = read_moments(out, run);
-  if (read == 0 && config->filter == CSM_FILTER_MSM4 && config->moment_format == CSM_MOMENTS_FLOAT16)
+  if (read == 0 && is_packed(config))
     unpack(out);
   return read;
 }
@@ -195,11 +207,11 @@ static void find_moments(const moment_scene *scene, const double texel[2], const
 /* Every moment is off by its rounding, up or down. */
 static void widen(const moment_scene *scene, const moment_model *model, const double moments[MOMENT_CHANNELS], double z,
                   double bounds[2]) {
-  const double error = moment_error(&scene->config);
   for (uint32_t signs = 0; signs < 1u << scene->channels; signs++) {
     double rounded[MOMENT_CHANNELS];
     for (uint32_t i = 0; i < MOMENT_CHANNELS; i++)
-      rounded[i] = moments[i] + (signs >> i & 1 ? error : -error) * (is_warped(&scene->config) ? moments[i] : 1.0);
+      rounded[i] = moments[i] + (signs >> i & 1 ? 1.0 : -1.0) * moment_error(&scene->config, i) *
+                                    (is_warped(&scene->config) ? moments[i] : 1.0);
     const double lit = moment_model_visibility(model, rounded, z);
     bounds[0] = fmin(bounds[0], lit);
     bounds[1] = fmax(bounds[1], lit);

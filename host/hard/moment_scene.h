@@ -36,6 +36,9 @@ void moment_scene_bounds(const moment_scene *scene, const double place[3], doubl
 /* The same of a receiver at depth z below one caster at depth `caster`, with nothing behind it; of one layer. */
 void moment_scene_bounds_of_one(const moment_scene *scene, double caster, double z, double bounds[2]);
 
+/* Half a step of a mask, which has 8 bits, and what a float's arithmetic may be off. */
+static const double moment_scene_step = 0.5 / 255.0 + 4e-6;
+
 /* What filters are called: "vsm float16", "vsm float32, 4 layers" ... */
 void moment_scene_name(const csm_config *config, char *out, size_t size);
 
