@@ -21,6 +21,9 @@ SamplerState csm_point : register(s0);
 
 static history_inputs inputs;
 
+#define HISTORY_REACH 0.75
+#define HISTORY_STALE 4.0
+
 float place_row(float4 row, float2 place, float depth)
 {
     return mad(place.x, row.x, mad(place.y, row.y, mad(depth, row.z, row.w)));
@@ -151,18 +154,41 @@ found find_history(surface s)
 
 // ---- what this frame says ----
 
-// The least and the greatest visibility around a pixel.
-float2 bounds_at(float2 place, float visibility)
+// What a pixel's history may be.
+struct range
+{
+    float least;
+    float most;
+};
+
+// Visibility around a pixel, of 3 x 3 pixels that count 1, 2 and 1 along each axis, is taken for a plane and noise. A
+// history that is right lies within twice the deviation of that plane's middle, or at least between it and what this frame
+// has; what is around bounds both. An edge that moves is no noise, and leaves no room for what was there before.
+range range_at(float2 place, float visibility)
 {
     float4 size = inputs.size;
     float2 uv = place * size.zw;
-    float4 a = mask.Gather(csm_point, float2(mad(size.z, -1.5, uv.x), mad(size.w, -1.5, uv.y)));
-    float4 b = mask.Gather(csm_point, float2(mad(size.z, 1.5, uv.x), mad(size.w, -1.5, uv.y)));
-    float4 c = mask.Gather(csm_point, float2(mad(size.z, -1.5, uv.x), mad(size.w, 1.5, uv.y)));
-    float4 d = mask.Gather(csm_point, float2(mad(size.z, 1.5, uv.x), mad(size.w, 1.5, uv.y)));
+    float2 low = float2(mad(size.z, -0.5, uv.x), mad(size.w, -0.5, uv.y));
+    float2 high = float2(mad(size.z, 0.5, uv.x), mad(size.w, 0.5, uv.y));
+    float4 a = mask.Gather(csm_point, low);
+    float4 b = mask.Gather(csm_point, float2(high.x, low.y));
+    float4 c = mask.Gather(csm_point, float2(low.x, high.y));
+    float4 d = mask.Gather(csm_point, high);
+    float4 all = a + b + (c + d), squares = mad(a, a, mad(b, b, mad(c, c, d * d)));
+    float mean = (all.x + all.y + (all.z + all.w)) * 0.0625;
+    float square = (squares.x + squares.y + (squares.z + squares.w)) * 0.0625;
+    // Of the left two of four pixels, a and c have the outer column, and b and d the inner one, of the right two likewise
+    float right = ((b.y + b.z + (d.y + d.z)) - (a.x + a.w + (c.x + c.w))) * 0.0625;
+    float down = ((c.x + c.y + (d.x + d.y)) - (a.z + a.w + (b.z + b.w))) * 0.0625;
+    float noise = mad(-mean, mean, square);
+    noise = mad(right * right, -2.0, mad(down * down, -2.0, noise));
+    // The weights' squares add up to 9 / 64, so a mean's deviation is 3 / 8 of a pixel's
+    float reach = mad(sqrt(max(noise, 0.0)), HISTORY_REACH, 1.0 / 255.0);
     float4 least = min(min(a, b), min(c, d)), most = max(max(a, b), max(c, d));
-    return float2(min(min(min(least.x, least.y), min(least.z, least.w)), visibility),
-                  max(max(max(most.x, most.y), max(most.z, most.w)), visibility));
+    range r;
+    r.least = max(min(visibility, mean - reach), min(min(least.x, least.y), min(least.z, least.w)));
+    r.most = min(max(visibility, mean + reach), max(max(most.x, most.y), max(most.z, most.w)));
+    return r;
 }
 
 float4 main(history_inputs pixel) : SV_Target
@@ -173,12 +199,16 @@ float4 main(history_inputs pixel) : SV_Target
     float visibility = mask.Load(int3(int2(place), 0));
     surface s = surface_at(place, depth);
     found before = find_history(s);
-    float2 bounds = bounds_at(place, visibility);
-    bool seen = before.weight > 0.01;
+    range r = range_at(place, visibility);
     float inverse = 1.0 / max(before.weight, 0.01);
-    float earlier = clamp(before.visibility * inverse, bounds.x, bounds.y);
-    float frames = seen ? min(mad(before.frames, inverse, 1.0), inputs.limits.w) : 1.0;
-    float mean = mad(earlier - visibility, 1.0 - 1.0 / frames, visibility);
+    float earlier = before.visibility * inverse;
+    float bounded = clamp(earlier, r.least, r.most);
+    // The farther a history was off, the fewer frames it still stands for
+    float stale = min(abs(bounded - earlier) * HISTORY_STALE, 1.0);
+    float frames = before.frames * inverse;
+    frames = before.weight > 0.01 ? mad(frames, -stale, frames) : 0.0;
+    frames = min(frames + 1.0, inputs.limits.w);
+    float mean = mad(bounded - visibility, 1.0 - 1.0 / frames, visibility);
     float span = clamp(place_row(inputs.own, place, depth), -65504.0, 65504.0);
     bool nothing = depth == inputs.clear.x;
     return float4(nothing ? 1.0 : mean, nothing ? 0.0 : frames, nothing ? 0.0 : span, nothing ? 0.0 : encode_normal(s.normal));

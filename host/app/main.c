@@ -47,7 +47,7 @@ int main(int count, char **arguments) {
   case COMMAND_RUN:
     return run_command(&options);
   case COMMAND_MEASURE:
-    return options.preset_count ? preset_table_command(&options) : measure_command(&options);
+    return options.presets.count ? preset_table_command(&options) : measure_command(&options);
   case COMMAND_BENCH:
     return bench_command(&options);
   case COMMAND_REPORT:

@@ -15,7 +15,7 @@ struct floor_loop {
   VkDeviceSize matrices_offsets[CSM_MAX_CASCADES];
   vulkan_image maps;
   VkImageView views[CSM_MAX_CASCADES];
-  VkFramebuffer framebuffers[CSM_MAX_CASCADES];
+  VkFramebuffer framebuffers[CSM_MAX_CASCADES]; /* these and the pass: without dynamic rendering */
   VkRenderPass pass;
 };
 
@@ -67,7 +67,7 @@ static VkResult make_pass(floor_loop *loop) {
   return vkCreateRenderPass(loop->device, &info, NULL, &loop->pass);
 }
 
-static VkResult make_framebuffer(floor_loop *loop, uint32_t layer) {
+static VkResult make_target(floor_loop *loop, uint32_t layer) {
   const VkImageViewCreateInfo view = {
       .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
       .image = loop->maps.image,
@@ -83,7 +83,7 @@ static VkResult make_framebuffer(floor_loop *loop, uint32_t layer) {
                                         .width = loop->info.resolution,
                                         .height = loop->info.resolution,
                                         .layers = 1};
-  return result ? result : vkCreateFramebuffer(loop->device, &info, NULL, &loop->framebuffers[layer]);
+  return result || !loop->pass ? result : vkCreateFramebuffer(loop->device, &info, NULL, &loop->framebuffers[layer]);
 }
 
 int floor_open(floor_loop **out, const floor_info *info, char *error, size_t error_size) {
@@ -92,7 +92,7 @@ int floor_open(floor_loop **out, const floor_info *info, char *error, size_t err
   if (!loop)
     return HOST_NO_DEVICE;
   loop->info = *info;
-  VkResult result = vulkan_device_open(&loop->vulkan, info->device);
+  VkResult result = vulkan_device_open_rendering(&loop->vulkan, info->device);
   loop->device = loop->vulkan.device;
   if (!result)
     result = vulkan_commands_open(&loop->commands, &loop->vulkan);
@@ -102,10 +102,10 @@ int floor_open(floor_loop **out, const floor_info *info, char *error, size_t err
     result = upload_matrices(loop);
   if (!result)
     result = make_maps(loop);
-  if (!result)
+  if (!result && !loop->vulkan.begin_rendering)
     result = make_pass(loop);
   for (uint32_t i = 0; i < info->frame->cascade_count && !result; ++i)
-    result = make_framebuffer(loop, i);
+    result = make_target(loop, i);
   if (!result)
     result = floor_casters_make_pipelines(&loop->casters, loop->pass, info->resolution);
   if (result) {
@@ -161,16 +161,33 @@ static void record_draws(const floor_loop *loop, uint32_t cascade) {
   }
 }
 
+/* As csm's own device begins a pass: with dynamic rendering where there is any. */
+static void begin_cascade(const floor_loop *loop, uint32_t cascade) {
+  const VkRect2D area = {{0, 0}, {loop->info.resolution, loop->info.resolution}};
+  const VkRenderingAttachmentInfo depth = {.sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
+                                           .imageView = loop->views[cascade],
+                                           .imageLayout = drawn.layout,
+                                           .loadOp = VK_ATTACHMENT_LOAD_OP_LOAD,
+                                           .storeOp = VK_ATTACHMENT_STORE_OP_STORE};
+  const VkRenderingInfo rendering = {
+      .sType = VK_STRUCTURE_TYPE_RENDERING_INFO, .renderArea = area, .layerCount = 1, .pDepthAttachment = &depth};
+  const VkRenderPassBeginInfo begin = {.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
+                                       .renderPass = loop->pass,
+                                       .framebuffer = loop->framebuffers[cascade],
+                                       .renderArea = area};
+  if (loop->pass)
+    vkCmdBeginRenderPass(loop->commands.buffer, &begin, VK_SUBPASS_CONTENTS_INLINE);
+  else
+    loop->vulkan.begin_rendering(loop->commands.buffer, &rendering);
+}
+
 static void record_cascade(const floor_loop *loop, uint32_t cascade) {
-  const VkRenderPassBeginInfo begin = {
-      .sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
-      .renderPass = loop->pass,
-      .framebuffer = loop->framebuffers[cascade],
-      .renderArea = {{0, 0}, {loop->info.resolution, loop->info.resolution}},
-  };
-  vkCmdBeginRenderPass(loop->commands.buffer, &begin, VK_SUBPASS_CONTENTS_INLINE);
+  begin_cascade(loop, cascade);
   record_draws(loop, cascade);
-  vkCmdEndRenderPass(loop->commands.buffer);
+  if (loop->pass)
+    vkCmdEndRenderPass(loop->commands.buffer);
+  else
+    loop->vulkan.end_rendering(loop->commands.buffer);
 }
 
 double floor_frame(floor_loop *loop) {

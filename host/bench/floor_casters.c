@@ -219,7 +219,10 @@ static VkResult make_pipeline(floor_casters *c, VkRenderPass pass, uint32_t side
                                                        .depthTestEnable = VK_TRUE,
                                                        .depthWriteEnable = VK_TRUE,
                                                        .depthCompareOp = VK_COMPARE_OP_LESS};
+  const VkPipelineRenderingCreateInfo target = {.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
+                                                .depthAttachmentFormat = VK_FORMAT_D32_SFLOAT};
   const VkGraphicsPipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+                                             .pNext = pass ? NULL : &target,
                                              .stageCount = cut_out ? 2 : 1,
                                              .pStages = stages,
                                              .pVertexInputState = &input,

@@ -29,7 +29,7 @@ typedef struct floor_casters {
 
 /* Uploads the meshes, whose bounds are given, and waits. floor_casters_close is allowed after an error, too. */
 VkResult floor_casters_open(floor_casters *out, vulkan_commands *commands, const scene *s, const plan_bounds *bounds);
-/* The pipelines for a pass that has one D32 attachment of `side` times `side` texels. */
+/* The pipelines for a pass that has one D32 attachment of `side` times `side` texels; NULL: for dynamic rendering. */
 VkResult floor_casters_make_pipelines(floor_casters *c, VkRenderPass pass, uint32_t side);
 void floor_casters_close(floor_casters *c);
 

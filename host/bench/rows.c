@@ -11,6 +11,7 @@ typedef struct lane {
   const bench_row *row;
   stage *stage; /* NULL: the floor */
   csm_cascades *cascades;
+  csm_view *view; /* its own, for its own history */
   double *samples;
 } lane;
 
@@ -27,7 +28,7 @@ static csm_result resolve(const lane *l, uint32_t flags) {
                               .frame = &l->stage->frame,
                               .width = l->stage->setup->width,
                               .height = l->stage->setup->height};
-  return csm_resolve_mask(l->stage->view, l->cascades, &info);
+  return csm_resolve_mask(l->view, l->cascades, &info);
 }
 
 static int add_lane(group *g, stage *s, const bench_row *row, uint32_t pairs) {
@@ -36,7 +37,8 @@ static int add_lane(group *g, stage *s, const bench_row *row, uint32_t pairs) {
   if (!s)
     return 0;
   s->frame.flags = 0;
-  if (csm_cascades_create(s->context, &row->config, &l->cascades) || csm_render_cascades(l->cascades, &s->frame))
+  if (csm_view_create(s->context, &l->view) || csm_cascades_create(s->context, &row->config, &l->cascades) ||
+      csm_render_cascades(l->cascades, &s->frame))
     return host_fail(HOST_NO_DEVICE, "%s: %s: %s", s->backend, row->name, csm_last_error(s->context));
   return 0;
 }
@@ -56,6 +58,7 @@ static int open_group(group *g, const bench_table *table, uint32_t first, stage 
 static void close_group(group *g) {
   for (uint32_t i = 0; i < g->count; i++) {
     csm_cascades_destroy(g->lanes[i].cascades);
+    csm_view_destroy(g->lanes[i].view);
     free(g->lanes[i].samples);
   }
 }
@@ -67,9 +70,9 @@ static double draw_once(const group *g, const lane *l) {
   stage_stats stats = {.maps.struct_size = sizeof stats.maps, .mask.struct_size = sizeof stats.mask};
   const csm_result result =
       g->maps ? csm_render_cascades(l->cascades, &l->stage->frame) : resolve(l, CSM_FRAME_TIMESTAMPS);
-  if (result || csm_get_stats(l->cascades, &stats.maps) || csm_get_view_stats(l->stage->view, &stats.mask))
+  if (result || csm_get_stats(l->cascades, &stats.maps) || csm_get_view_stats(l->view, &stats.mask))
     return -1.0;
-  return g->maps ? stage_maps_ms(&stats) : stage_mask_ms(&stats);
+  return g->maps ? stage_maps_ms(&stats) : stage_mask_ms(&stats) + stage_history_ms(&stats);
 }
 
 static int time_group(const group *g, const bench_table *table, uint32_t pairs) {

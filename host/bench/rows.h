@@ -5,7 +5,7 @@
 #include "base/statistics.h"
 #include "stage/stage.h"
 
-enum { bench_most_rows = 24 };
+enum { bench_most_rows = 40 };
 
 typedef struct bench_row {
   const char *name;
@@ -16,7 +16,7 @@ typedef struct bench_row {
 /* What is to be timed. */
 typedef struct bench_table {
   const char *name, *about;
-  bool maps; /* the maps' passes are timed; else the mask's alone */
+  bool maps; /* the maps' passes are timed; else the mask's alone, with its history if it has one */
   bench_row base;
   bench_row rows[bench_most_rows];
   uint32_t count;
@@ -26,7 +26,7 @@ typedef struct bench_table {
 void bench_table_floors(bench_table *out, const csm_config *config);
 /* Every filter, against one tap. */
 void bench_table_filters(bench_table *out, const csm_config *config);
-/* Selecting, blending, and looking at what the camera sees, against the configuration without. */
+/* Selecting, blending, looking at what the camera sees, keeping a history, against the configuration without. */
 void bench_table_modes(bench_table *out, const csm_config *config);
 /* Every way to lay out, fit and draw maps, against the configuration without. */
 void bench_table_maps(bench_table *out, const csm_config *config);
@@ -50,7 +50,7 @@ typedef struct bench_rows {
   bench_table table;
   uint32_t pairs;
   bool has_floor;
-  bench_result results[(bench_most_rows + 6) * HOST_BACKENDS]; /* the base's of each group of rows first */
+  bench_result results[(bench_most_rows + 10) * HOST_BACKENDS]; /* the base's of each group of rows first */
   uint32_t count;
 } bench_rows;
 

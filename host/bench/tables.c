@@ -24,6 +24,33 @@ static void add_early(bench_table *table, const char *name, uint32_t filter) {
   config->filter_taps = 9;
 }
 
+/* The same with moments, and by the size of the light. */
+static void add_soft_filters(bench_table *table) {
+  add_filter(table, "vsm", CSM_FILTER_VSM);
+  add_filter(table, "esm", CSM_FILTER_ESM);
+  add_filter(table, "evsm2", CSM_FILTER_EVSM2);
+  add_filter(table, "evsm4", CSM_FILTER_EVSM4);
+  add_filter(table, "msm4", CSM_FILTER_MSM4);
+  csm_config *config = add(table, "evsm4 float16");
+  config->filter = CSM_FILTER_EVSM4;
+  config->moment_format = CSM_MOMENTS_FLOAT16;
+  config = add(table, "evsm4 trilinear");
+  config->filter = CSM_FILTER_EVSM4;
+  config->moment_levels = 12;
+  config->moment_sampling = CSM_SAMPLING_TRILINEAR;
+  config = add(table, "evsm4 anisotropic");
+  *config = table->rows[table->count - 2].config;
+  config->moment_sampling = CSM_SAMPLING_ANISOTROPIC;
+  config = add(table, "vssm");
+  config->filter = CSM_FILTER_VSSM;
+  config->moment_levels = 12;
+  add_filter(table, "pcss 16 + 32", CSM_FILTER_PCSS);
+  config = add(table, "pcss 16 + 16");
+  config->filter = CSM_FILTER_PCSS;
+  config->soft_taps = 16;
+  add_filter(table, "backprojection", CSM_FILTER_BACKPROJECTION);
+}
+
 void bench_table_floors(bench_table *out, const csm_config *config) {
   *out = (bench_table){.name = "floors",
                        .about = "the mask's pass alone, to one tap and to a bare pass that rebuilds positions",
@@ -64,6 +91,7 @@ void bench_table_filters(bench_table *out, const csm_config *config) {
   csm_config *slope = add(out, "pcf_7x7 slope");
   slope->filter = CSM_FILTER_PCF_7X7;
   slope->bias_mode = CSM_BIAS_SLOPE;
+  add_soft_filters(out);
 }
 
 void bench_table_modes(bench_table *out, const csm_config *config) {
@@ -74,6 +102,7 @@ void bench_table_modes(bench_table *out, const csm_config *config) {
   base->depth_samples = CSM_DEPTH_SAMPLES_OFF;
   base->selection = CSM_SELECT_INTERVAL;
   base->blend_mode = CSM_BLEND_OFF;
+  base->history = CSM_HISTORY_OFF;
   add(out, "samples splits")->depth_samples = CSM_DEPTH_SAMPLES_SPLITS;
   add(out, "samples bounds")->depth_samples = CSM_DEPTH_SAMPLES_BOUNDS;
   add(out, "selection map")->selection = CSM_SELECT_MAP;
@@ -86,6 +115,7 @@ void bench_table_modes(bench_table *out, const csm_config *config) {
   both = add(out, "map, blend dithered");
   both->selection = CSM_SELECT_MAP;
   both->blend_mode = CSM_BLEND_DITHERED;
+  add(out, "history")->history = CSM_HISTORY_ON;
 }
 
 static void add_fits(bench_table *out) {

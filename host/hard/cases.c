@@ -29,6 +29,7 @@ const hard_case *const hard_cases[] = {
     &hard_half_moments,
     &hard_knife_edge,
     &hard_moment_borders,
+    &hard_history,
     NULL,
 };
 /* clang-format on */

@@ -29,6 +29,7 @@ extern const hard_case hard_moment_gaps;
 extern const hard_case hard_half_moments;
 extern const hard_case hard_knife_edge;
 extern const hard_case hard_moment_borders;
+extern const hard_case hard_history;
 
 /* In the order of the table; NULL ends it. */
 extern const hard_case *const hard_cases[];

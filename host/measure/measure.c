@@ -89,6 +89,25 @@ static void print_time(FILE *to, const measurement *m, const char *name, double 
   fputc('\n', to);
 }
 
+static void print_bytes(FILE *to, const measurement *m, const char *name, uint64_t (*value)(const stage_stats *)) {
+  fprintf(to, "  %-20s  %-34s", name, "");
+  for (uint32_t i = 0; i < m->count; i++)
+    fprintf(to, " %12.2f MiB", (double)value(&m->frames[i].stats) / (1024.0 * 1024.0));
+  fputc('\n', to);
+}
+
+static uint64_t map_bytes(const stage_stats *stats) {
+  return stats->maps.map_bytes;
+}
+
+static uint64_t moment_bytes(const stage_stats *stats) {
+  return stats->maps.moment_bytes;
+}
+
+static uint64_t view_bytes(const stage_stats *stats) {
+  return stats->mask.bytes;
+}
+
 static void print_setup(FILE *to, const measurement *m) {
   const host_setup *setup = &m->setup;
   fprintf(to, "scene %s: %" PRIu64 " triangles; %ux%u; shadow distance %g m; %u maps of %u x %u\n", setup->scene.name,
@@ -107,7 +126,12 @@ static void print_table(FILE *to, const measurement *m) {
   fputc('\n', to);
   metrics_print(to, m->metrics, names, m->count);
   print_time(to, m, "maps, GPU", stage_maps_ms);
+  print_time(to, m, "moments, GPU", stage_moments_ms);
   print_time(to, m, "mask, GPU", stage_mask_ms);
+  print_time(to, m, "history, GPU", stage_history_ms);
+  print_bytes(to, m, "memory of maps", map_bytes);
+  print_bytes(to, m, "memory of moments", moment_bytes);
+  print_bytes(to, m, "memory of the view", view_bytes);
   fputc('\n', to);
   if (m->count == 2)
     agreement_print(to, &m->agreement, names[0], names[1]);
@@ -141,9 +165,12 @@ static json_t *backend_to_json(const measurement *m, uint32_t i) {
   json_object_set_new(object, "record_ms", json_real(stats->maps.record_ms));
   json_object_set_new(object, "maps_gpu_ms", json_real(stage_maps_ms(stats)));
   json_object_set_new(object, "camera_depth_gpu_ms", json_real(stats->mask.camera_depth_gpu_ms));
+  json_object_set_new(object, "moments_gpu_ms", json_real(stage_moments_ms(stats)));
   json_object_set_new(object, "mask_gpu_ms", json_real(stage_mask_ms(stats)));
-  if (m->setup.config.history)
-    json_object_set_new(object, "history_gpu_ms", json_real(stats->mask.history_gpu_ms));
+  json_object_set_new(object, "history_gpu_ms", json_real(stage_history_ms(stats)));
+  json_object_set_new(object, "map_bytes", json_integer((json_int_t)map_bytes(stats)));
+  json_object_set_new(object, "moment_bytes", json_integer((json_int_t)moment_bytes(stats)));
+  json_object_set_new(object, "view_bytes", json_integer((json_int_t)view_bytes(stats)));
   return object;
 }
 
@@ -196,7 +223,8 @@ static int save_pictures(const measurement *m) {
     const metrics_frame frame = frame_of(m, i);
     measure_picture_lit(&picture, &m->truth.view, &m->setup.light, m->frames[i].mask);
     code = save(&picture, m->options->out, m->stages[i].backend, "drawn");
-    measure_picture_errors(&picture, &frame, m->kinds[i]);
+    (m->setup.light.disc_deg > 0.0 ? measure_picture_difference : measure_picture_errors)(&picture, &frame,
+                                                                                          m->kinds[i]);
     const int last = save(&picture, m->options->out, m->stages[i].backend, "errors");
     code = code ? code : last;
   }

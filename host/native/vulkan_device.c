@@ -1,4 +1,5 @@
 #include "native/vulkan_device.h"
+#include <stdbool.h>
 #include <string.h>
 
 static VkResult open_instance(vulkan_device *out) {
@@ -42,7 +43,24 @@ static VkResult choose_device(vulkan_device *out, const char *name) {
   return best < 0 ? VK_ERROR_INITIALIZATION_FAILED : VK_SUCCESS;
 }
 
-static VkResult open_device(vulkan_device *out) {
+static const char *const rendering_extensions[] = {VK_KHR_DYNAMIC_RENDERING_EXTENSION_NAME,
+                                                   VK_KHR_DEPTH_STENCIL_RESOLVE_EXTENSION_NAME,
+                                                   VK_KHR_CREATE_RENDERPASS_2_EXTENSION_NAME};
+enum { RENDERING_EXTENSIONS = sizeof rendering_extensions / sizeof *rendering_extensions };
+
+/* What has the first of the extensions has the feature, and the extensions that it needs. */
+static bool has_rendering(const vulkan_device *out) {
+  VkExtensionProperties extensions[512];
+  uint32_t count = sizeof extensions / sizeof *extensions;
+  if (vkEnumerateDeviceExtensionProperties(out->physical, NULL, &count, extensions) < 0)
+    return false;
+  for (uint32_t i = 0; i < count; ++i)
+    if (strcmp(extensions[i].extensionName, rendering_extensions[0]) == 0)
+      return true;
+  return false;
+}
+
+static VkResult open_device(vulkan_device *out, bool rendering) {
   VkQueueFamilyProperties families[16];
   uint32_t count = sizeof families / sizeof families[0];
   vkGetPhysicalDeviceQueueFamilyProperties(out->physical, &count, families);
@@ -54,22 +72,40 @@ static VkResult open_device(vulkan_device *out) {
                                          .queueCount = 1,
                                          .pQueuePriorities = &priority};
   out->features = (VkPhysicalDeviceFeatures){.depthClamp = VK_TRUE};
+  const VkPhysicalDeviceDynamicRenderingFeatures feature = {
+      .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DYNAMIC_RENDERING_FEATURES, .dynamicRendering = VK_TRUE};
   const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                   .pNext = rendering ? &feature : NULL,
                                    .queueCreateInfoCount = 1,
                                    .pQueueCreateInfos = &queue,
+                                   .enabledExtensionCount = rendering ? RENDERING_EXTENSIONS : 0,
+                                   .ppEnabledExtensionNames = rendering_extensions,
                                    .pEnabledFeatures = &out->features};
   const VkResult result = vkCreateDevice(out->physical, &info, NULL, &out->device);
-  if (!result)
-    vkGetDeviceQueue(out->device, out->family, 0, &out->queue);
-  return result;
+  if (result)
+    return result;
+  vkGetDeviceQueue(out->device, out->family, 0, &out->queue);
+  if (rendering) {
+    out->begin_rendering = (PFN_vkCmdBeginRendering)vkGetDeviceProcAddr(out->device, "vkCmdBeginRenderingKHR");
+    out->end_rendering = (PFN_vkCmdEndRendering)vkGetDeviceProcAddr(out->device, "vkCmdEndRenderingKHR");
+  }
+  return VK_SUCCESS;
+}
+
+static VkResult open_chosen(vulkan_device *out, const char *name) {
+  *out = (vulkan_device){0};
+  const VkResult result = open_instance(out);
+  return result ? result : choose_device(out, name);
 }
 
 VkResult vulkan_device_open(vulkan_device *out, const char *name) {
-  *out = (vulkan_device){0};
-  VkResult result = open_instance(out);
-  if (!result)
-    result = choose_device(out, name);
-  return result ? result : open_device(out);
+  const VkResult result = open_chosen(out, name);
+  return result ? result : open_device(out, false);
+}
+
+VkResult vulkan_device_open_rendering(vulkan_device *out, const char *name) {
+  const VkResult result = open_chosen(out, name);
+  return result ? result : open_device(out, has_rendering(out));
 }
 
 void vulkan_device_close(vulkan_device *device) {

@@ -12,6 +12,8 @@ typedef struct vulkan_device {
   VkPhysicalDeviceFeatures features; /* that are enabled */
   uint32_t family;                   /* of graphics */
   VkQueue queue;
+  PFN_vkCmdBeginRendering begin_rendering; /* NULL without dynamic rendering */
+  PFN_vkCmdEndRendering end_rendering;
 } vulkan_device;
 
 /*
@@ -19,6 +21,8 @@ typedef struct vulkan_device {
  * first discrete, integrated, virtual, CPU one. vulkan_device_close is allowed after an error, too.
  */
 VkResult vulkan_device_open(vulkan_device *out, const char *name);
+/* The same with dynamic rendering where the device has it, as csm's own has. */
+VkResult vulkan_device_open_rendering(vulkan_device *out, const char *name);
 void vulkan_device_close(vulkan_device *device);
 
 /* The device as csm_create takes an engine's. It refers to `device`, which must stay as long as it is used. */

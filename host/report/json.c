@@ -3,11 +3,10 @@
 #include "scene/camera_json.h"
 #include "setup/config_json.h"
 
-static const char *const time_names[REPORT_TIMES] = {[REPORT_PLAN_MS] = "plan_ms",
-                                                     [REPORT_RECORD_MS] = "record_ms",
-                                                     [REPORT_MAPS_MS] = "maps_ms",
-                                                     [REPORT_MASK_MS] = "mask_ms",
-                                                     [REPORT_SHADOW_MS] = "shadow_ms"};
+static const char *const time_names[REPORT_TIMES] = {
+    [REPORT_PLAN_MS] = "plan_ms",       [REPORT_RECORD_MS] = "record_ms", [REPORT_MAPS_MS] = "maps_ms",
+    [REPORT_MOMENTS_MS] = "moments_ms", [REPORT_MASK_MS] = "mask_ms",     [REPORT_HISTORY_MS] = "history_ms",
+    [REPORT_GPU_MS] = "gpu_ms",         [REPORT_SHADOW_MS] = "shadow_ms"};
 
 json_t *report_verdict_to_json(const report_verdict *v) {
   json_t *object = json_object(), *front = json_array();
@@ -24,13 +23,17 @@ json_t *report_verdict_to_json(const report_verdict *v) {
 
 /* ---- for programs ---- */
 
-/* The fields that a sweep changes. */
-static void add_swept_fields(json_t *object, const csm_config *config) {
+/* The fields that a sweep changes, and the point's name if it has one. */
+static void add_swept_fields(json_t *object, const report_point *point) {
   static const char *const keys[] = {"cascade_count", "resolution", "filter", "bias_mode"};
-  json_t *all = config_to_json(config);
+  json_t *all = config_to_json(&point->config);
   for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++)
     json_object_set(object, keys[i], json_object_get(all, keys[i]));
   json_decref(all);
+  if (point->name) {
+    json_object_set_new(object, "name", json_string(point->name));
+    json_object_set_new(object, "preset", json_boolean(point->is_preset));
+  }
 }
 
 static json_t *result_to_json(const report_scene *s, uint32_t p, uint32_t b) {
@@ -47,8 +50,10 @@ static json_t *result_to_json(const report_scene *s, uint32_t p, uint32_t b) {
 static json_t *point_to_json(const report_scene *s, uint32_t p) {
   const report_point *point = &s->sweep.points[p];
   json_t *object = json_object(), *results = json_object();
-  add_swept_fields(object, &point->config);
+  add_swept_fields(object, point);
   json_object_set_new(object, "map_bytes", json_integer((json_int_t)point->map_bytes));
+  json_object_set_new(object, "moment_bytes", json_integer((json_int_t)point->moment_bytes));
+  json_object_set_new(object, "view_bytes", json_integer((json_int_t)point->view_bytes));
   for (uint32_t b = 0; b < s->stage_count; b++)
     json_object_set_new(results, s->stages[b].backend, result_to_json(s, p, b));
   json_object_set_new(object, "backends", results);
@@ -66,8 +71,10 @@ static json_t *truth_to_json(const report_scene *s) {
   json_object_set_new(object, "rays", json_integer(convergence->samples));
   json_object_set_new(object, "cached", json_boolean(s->store.cast == 0));
   json_object_set_new(object, "cast_s", json_real(s->store.cast_ms * 1e-3));
-  if (convergence->samples > 1)
+  if (convergence->samples > 1) {
     json_object_set_new(object, "rms_half", json_real(convergence->rms_half));
+    json_object_set_new(object, "noise", json_real(report_noise(s)));
+  }
   return object;
 }
 
@@ -128,9 +135,10 @@ static json_t *result_to_row(const report_scene *s, uint32_t p, uint32_t b) {
 static json_t *point_to_row(const report_scene *s, uint32_t p) {
   const report_point *point = &s->sweep.points[p];
   json_t *row = json_array(), *swept = json_object();
-  add_swept_fields(swept, &point->config);
+  add_swept_fields(swept, point);
   json_array_append_new(row, swept);
-  json_array_append_new(row, json_real((double)point->map_bytes / (1024.0 * 1024.0)));
+  json_array_append_new(
+      row, json_real((double)(point->map_bytes + point->moment_bytes + point->view_bytes) / (1024.0 * 1024.0)));
   json_array_append_new(row, s->stage_count == HOST_BACKENDS ? json_real(report_ratio_of(&s->sweep, p).median)
                                                              : json_null());
   for (uint32_t b = 0; b < s->stage_count; b++)
@@ -139,14 +147,18 @@ static json_t *point_to_row(const report_scene *s, uint32_t p) {
 }
 
 json_t *report_scene_to_page(const report_scene *s) {
-  json_t *object = head_to_json(s), *rows = json_array(), *pictures = json_array();
+  json_t *object = head_to_json(s), *rows = json_array(), *pictures = json_array(), *techniques = json_array();
   for (uint32_t p = 0; p < s->sweep.count; p++)
     json_array_append_new(rows, point_to_row(s, p));
   for (uint32_t i = 0; i < s->picture_count; i++)
     json_array_append_new(pictures, json_pack("{s:i, s:s, s:s}", "point", (int)s->pictures[i].point, "drawn",
                                               s->pictures[i].drawn, "errors", s->pictures[i].errors));
+  for (uint32_t i = 0; i < s->technique_count; i++)
+    json_array_append_new(
+        techniques, json_pack("{s:i, s:s}", "point", (int)s->techniques[i].point, "picture", s->techniques[i].picture));
   json_object_set_new(object, "rows", rows);
   json_object_set_new(object, "truth_picture", json_string(s->truth_picture));
   json_object_set_new(object, "pictures", pictures);
+  json_object_set_new(object, "techniques", techniques);
   return object;
 }

@@ -4,6 +4,7 @@
 
 #include "report/judge.h"
 #include "report/sweep.h"
+#include "report/technique_picture.h"
 #include <jansson.h>
 
 #define REPORT_PICTURES 3
@@ -14,6 +15,13 @@ typedef struct report_picture {
   char *drawn, *errors;
 } report_picture;
 
+/* What the best setting of a filter makes of a soft sun: a data URI of a report_technique_picture. */
+typedef struct report_technique {
+  uint32_t point;
+  char *picture;
+} report_technique;
+
+/* One scene under one sun. */
 typedef struct report_scene {
   host_setup setup;
   truth_store store;
@@ -26,6 +34,9 @@ typedef struct report_scene {
   char *truth_picture; /* data URI */
   report_picture pictures[REPORT_PICTURES];
   uint32_t picture_count;
+  report_crop crop; /* of a soft sun's pictures, one for each filter */
+  report_technique *techniques;
+  uint32_t technique_count;
   double begun_ms, seconds; /* when it began, and what it all took */
 } report_scene;
 
@@ -42,9 +53,17 @@ int report_scene_run(report_scene *out, const host_options *options, double dead
 void report_scene_close(report_scene *s);
 void report_scene_free(report_scene *s);
 
-/* The measure of error: the root mean square for a soft sun, for a hard one the share of wrong pixels. */
+/*
+ * The measure of error: the root mean square for a soft sun, for a hard one the share of wrong pixels. The measure of
+ * time: of a soft sun, whose techniques differ by what the GPU does, that alone; of a hard one the whole frame's.
+ */
 bool report_scene_is_soft(const report_scene *s);
 double report_error(const report_scene *s, const metrics *m);
+/*
+ * How much of the root mean square at most is the truth's own, for its rays are few: 0 for a hard sun. It adds to what
+ * is drawn wrong as squares do.
+ */
+double report_noise(const report_scene *s);
 /* Whether any configuration's masks differ between the backends by more than they may. */
 bool report_scene_differs(const report_scene *s);
 

@@ -18,7 +18,8 @@ typedef struct report {
   const host_options *options;
   const char *names[OPTIONS_MAX_SCENES];
   uint32_t name_count;
-  report_scene scenes[OPTIONS_MAX_SCENES]; /* finished: results alone are kept */
+  uint32_t sun_count;   /* of each: those that the options name, or the light's own */
+  report_scene *scenes; /* under every sun; finished: results alone are kept */
   uint32_t scene_count;
   json_t *head;                  /* what does not belong to one scene */
   json_t *full, *page;           /* each scene, as report.json and as the page has it */
@@ -74,30 +75,59 @@ static void note_backends(report *r, const report_scene *s) {
   json_object_set_new(r->head, "backends", backends);
 }
 
-/* Geometric means over the scenes, on the first backend. Nothing where devices left out different configurations. */
-static json_t *judge_all(const report *r) {
-  const report_sweep *first = &r->scenes[0].sweep;
-  for (uint32_t i = 1; i < r->scene_count; i++)
-    if (r->scenes[i].sweep.count != first->count)
-      return json_null();
-  report_score *scores = host_allocate(first->count, sizeof *scores);
-  report_verdict verdict;
-  for (uint32_t p = 0; p < first->count; p++) {
-    double sums[4] = {0};
-    for (uint32_t i = 0; i < r->scene_count; i++) {
-      const report_score *score = &r->scenes[i].scores[0][p];
-      const double values[4] = {score->ms.median, score->ms.low, score->ms.high, score->error};
-      for (int k = 0; k < 4; k++)
-        sums[k] += log(values[k]) / r->scene_count;
-    }
-    scores[p] = (report_score){.ms = {.median = exp(sums[0]), .low = exp(sums[1]), .high = exp(sums[2])},
-                               .error = exp(sums[3])};
+/* Whether two scenes were swept alike, under suns of the same kind: then their points can be compared one by one. */
+static bool alike(const report_scene *a, const report_scene *b) {
+  return a->setup.light.disc_deg == b->setup.light.disc_deg && a->sweep.count == b->sweep.count;
+}
+
+/* The point's geometric mean over the scenes that are like the first. */
+static report_score mean_score(const report *r, const report_scene *first, uint32_t p) {
+  double sums[4] = {0};
+  uint32_t count = 0;
+  for (const report_scene *s = first; s < r->scenes + r->scene_count; s++) {
+    if (!alike(s, first))
+      continue;
+    const report_score *score = &s->scores[0][p];
+    const double values[4] = {score->ms.median, score->ms.low, score->ms.high, score->error};
+    for (int k = 0; k < 4; k++)
+      sums[k] += log(values[k]);
+    count++;
   }
-  report_judge(&verdict, scores, first->count, first->base);
+  return (report_score){
+      .ms = {.median = exp(sums[0] / count), .low = exp(sums[1] / count), .high = exp(sums[2] / count)},
+      .error = exp(sums[3] / count)};
+}
+
+/* On the first backend, over all scenes that are like the first. */
+static json_t *judge_group(const report *r, const report_scene *first) {
+  report_score *scores = host_allocate(first->sweep.count, sizeof *scores);
+  report_verdict verdict;
+  json_t *scenes = json_array();
+  for (uint32_t p = 0; p < first->sweep.count; p++)
+    scores[p] = mean_score(r, first, p);
+  for (uint32_t i = 0; i < r->scene_count; i++)
+    if (alike(&r->scenes[i], first))
+      json_array_append_new(scenes, json_integer(i));
+  report_judge(&verdict, scores, first->sweep.count, first->sweep.base);
   json_t *object = report_verdict_to_json(&verdict);
+  json_object_set_new(object, "disc_deg", json_real(first->setup.light.disc_deg));
+  json_object_set_new(object, "scenes", scenes);
   report_verdict_free(&verdict);
   free(scores);
   return object;
+}
+
+/* A verdict for each sun. Where devices left out different configurations, scenes stand by themselves. */
+static json_t *judge_all(const report *r) {
+  json_t *all = json_array();
+  for (uint32_t i = 0; i < r->scene_count; i++) {
+    bool judged = false;
+    for (uint32_t k = 0; k < i; k++)
+      judged = judged || alike(&r->scenes[k], &r->scenes[i]);
+    if (!judged)
+      json_array_append_new(all, judge_group(r, &r->scenes[i]));
+  }
+  return all;
 }
 
 static json_t *with_scenes(const report *r, json_t *scenes, json_t *hard) {
@@ -124,25 +154,41 @@ static int write_all(const report *r) {
   return code;
 }
 
+/* What a point is called: by its name, or by its shape. */
+static void print_point(FILE *to, const report_point *point) {
+  json_t *config = config_to_json(&point->config);
+  if (point->name)
+    fprintf(to, "%-36s", point->name);
+  else
+    fprintf(to, "%" JSON_INTEGER_FORMAT " x %4" JSON_INTEGER_FORMAT "^2  %-8s %-15s",
+            json_integer_value(json_object_get(config, "cascade_count")),
+            json_integer_value(json_object_get(config, "resolution")),
+            json_string_value(json_object_get(config, "filter")),
+            json_string_value(json_object_get(config, "bias_mode")));
+  json_decref(config);
+}
+
 static void print_choice(FILE *to, const report_scene *s, const char *what, uint32_t p) {
-  json_t *config = config_to_json(&s->sweep.points[p].config);
   const report_score *score = &s->scores[0][p];
-  fprintf(to, "  %-12s %" JSON_INTEGER_FORMAT " x %4" JSON_INTEGER_FORMAT "^2  %-8s %-15s %8.2f ms  ", what,
-          json_integer_value(json_object_get(config, "cascade_count")),
-          json_integer_value(json_object_get(config, "resolution")),
-          json_string_value(json_object_get(config, "filter")), json_string_value(json_object_get(config, "bias_mode")),
-          score->ms.median);
+  fprintf(to, "  %-12s ", what);
+  print_point(to, &s->sweep.points[p]);
+  fprintf(to, " %8.2f ms  ", score->ms.median);
   if (report_scene_is_soft(s))
     fprintf(to, "rmse %.4f\n", score->error);
   else
     fprintf(to, "%.3f %% of pixels wrong\n", 100.0 * score->error);
-  json_decref(config);
 }
 
 static void print_scene(FILE *to, const report_scene *s, const char *base) {
   const report_verdict *v = &s->verdicts[0];
-  fprintf(to, "%s, %s: %u configurations, %u round%s, %.0f s\n", s->setup.scene.name, s->stages[0].backend,
-          s->sweep.count, s->sweep.rounds, s->sweep.rounds == 1 ? "" : "s", s->seconds);
+  fprintf(to, "%s, ", s->setup.scene.name);
+  if (report_scene_is_soft(s))
+    fprintf(to, "a sun of %g degrees, ", s->setup.light.disc_deg);
+  fprintf(to, "%s: %u configurations, %u round%s, %.0f s\n", s->stages[0].backend, s->sweep.count, s->sweep.rounds,
+          s->sweep.rounds == 1 ? "" : "s", s->seconds);
+  if (report_scene_is_soft(s))
+    for (uint32_t i = 0; i < v->front_count; i++)
+      print_choice(to, s, i ? "" : "front", v->front[i]);
   print_choice(to, s, "best value", v->knee);
   print_choice(to, s, "least error", v->least_error);
   print_choice(to, s, base, s->sweep.base);
@@ -153,6 +199,7 @@ static void print_scene(FILE *to, const report_scene *s, const char *base) {
 static int choose_scenes(report *r) {
   const host_options *options = r->options;
   const bool named = options->scene_count > 0;
+  r->sun_count = options->sun_count ? options->sun_count : 1;
   r->name_count = named ? options->scene_count : sizeof standard_scenes / sizeof standard_scenes[0];
   for (uint32_t i = 0; i < r->name_count; i++)
     r->names[i] = named ? options->scenes[i] : standard_scenes[i];
@@ -169,15 +216,19 @@ static bool may_be_left_out(const report *r, uint32_t i) {
   return r->options->scene_count == 0 && strcmp(r->names[i], "oaks") == 0 && r->scene_count > 0;
 }
 
-static int add_scene(report *r, uint32_t i) {
+/* The scene's i-th sun. */
+static int add_scene(report *r, uint32_t index, uint32_t sun) {
   host_options options = *r->options;
   report_scene *s = &r->scenes[r->scene_count];
+  const uint32_t left = (r->name_count - index) * r->sun_count - sun;
   const double end_ms = r->begun_ms + options.minutes * 60e3, now_ms = host_now_ms();
-  options.scene = r->names[i];
-  int code = report_scene_run(s, &options,
-                              options.minutes > 0.0 ? now_ms + (end_ms - now_ms) / (r->name_count - i) : INFINITY);
-  if (code == HOST_BAD_INPUT && s->stage_count == 0 && may_be_left_out(r, i)) {
-    json_array_append_new(json_object_get(r->head, "left_out"), json_string(r->names[i]));
+  options.scene = r->names[index];
+  options.has_disc = options.sun_count > 0;
+  options.disc_deg = options.suns[sun];
+  int code = report_scene_run(s, &options, options.minutes > 0.0 ? now_ms + (end_ms - now_ms) / left : INFINITY);
+  if (code == HOST_BAD_INPUT && s->stage_count == 0 && may_be_left_out(r, index)) {
+    if (sun == 0)
+      json_array_append_new(json_object_get(r->head, "left_out"), json_string(r->names[index]));
     return 0;
   }
   if (code)
@@ -188,7 +239,7 @@ static int add_scene(report *r, uint32_t i) {
   json_array_append_new(r->page, report_scene_to_page(s));
   print_scene(output_table(&options), s, options_base_name(&options));
   report_scene_close(s);
-  return 0;
+  return write_all(r);
 }
 
 static bool any_differs(const report *r) {
@@ -208,13 +259,12 @@ int report_command(const host_options *options) {
                 .page_hard = json_array()};
   make_head(r);
   int code = choose_scenes(r);
+  const uint32_t scenes = r->name_count * r->sun_count;
+  r->scenes = host_allocate(scenes ? scenes : 1, sizeof *r->scenes);
   if (code == 0)
     code = host_make_folder(options->out);
-  for (uint32_t i = 0; code == 0 && i < r->name_count; i++) {
-    code = add_scene(r, i);
-    if (code == 0)
-      code = write_all(r);
-  }
+  for (uint32_t i = 0; code == 0 && i < scenes; i++)
+    code = add_scene(r, i / r->sun_count, i % r->sun_count);
   if (code == 0)
     code = report_hard_run(r->full_hard, r->page_hard, &r->broken, options);
   if (code == 0)
@@ -225,8 +275,9 @@ int report_command(const host_options *options) {
   }
   if (code == 0 && (r->broken || any_differs(r)))
     code = HOST_DIFFER;
-  for (uint32_t i = 0; i < OPTIONS_MAX_SCENES; i++)
+  for (uint32_t i = 0; i < scenes; i++)
     report_scene_free(&r->scenes[i]);
+  free(r->scenes);
   json_decref(r->head);
   json_decref(r->full);
   json_decref(r->page);

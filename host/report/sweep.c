@@ -20,8 +20,12 @@ static uint32_t count_values(const char *name) {
   return count;
 }
 
+uint32_t report_filter_count(void) {
+  return count_values("filter");
+}
+
 static uint32_t count_ways(void) {
-  return count_values("filter") * count_values("bias_mode");
+  return report_filter_count() * count_values("bias_mode");
 }
 
 /* The base with another filter and bias mode. False where they contradict each other, or what else the base says. */
@@ -70,23 +74,6 @@ void report_sweep_make(report_sweep *out, const host_options *options, const csm
     add_shape(out, base, base->cascade_count, base->resolution);
 }
 
-int report_sweep_make_presets(report_sweep *out, const host_options *options, const host_setup *setup) {
-  const char *base = options_base_name(options);
-  *out = (report_sweep){.per_shape = 1, .count = 1};
-  out->points = host_allocate(options->preset_count + 1, sizeof *out->points);
-  out->points[0].config = setup->config;
-  out->points[0].name = base;
-  int code = 0;
-  for (uint32_t i = 0; code == 0 && i < options->preset_count; i++) {
-    if (strcmp(options->presets[i], base) == 0)
-      continue;
-    report_point *point = &out->points[out->count++];
-    point->name = options->presets[i];
-    code = config_load(&point->config, point->name, NULL, setup->shadow_distance);
-  }
-  return code;
-}
-
 void report_sweep_free(report_sweep *sweep) {
   free(sweep->points);
   *sweep = (report_sweep){0};
@@ -101,18 +88,33 @@ static int time_point(report_point *point, stage *s, uint32_t backend, uint32_t 
     code = stage_draw(s, &stats);
   if (code)
     return code;
+  const double gpu_ms = stage_shadows_ms(&stats), cpu_ms = stats.maps.plan_ms + stats.maps.record_ms;
   const double times[REPORT_TIMES] = {[REPORT_PLAN_MS] = stats.maps.plan_ms,
                                       [REPORT_RECORD_MS] = stats.maps.record_ms,
                                       [REPORT_MAPS_MS] = stage_maps_ms(&stats),
-                                      [REPORT_MASK_MS] = stage_mask_ms(&stats)};
-  double sum = 0.0;
-  for (int i = 0; i < REPORT_SHADOW_MS; i++) {
+                                      [REPORT_MOMENTS_MS] = stage_moments_ms(&stats),
+                                      [REPORT_MASK_MS] = stage_mask_ms(&stats),
+                                      [REPORT_HISTORY_MS] = stage_history_ms(&stats),
+                                      [REPORT_GPU_MS] = gpu_ms,
+                                      [REPORT_SHADOW_MS] = cpu_ms + gpu_ms};
+  for (int i = 0; i < REPORT_TIMES; i++)
     point->samples[backend][i][round] = times[i];
-    sum += times[i];
+  if (backend == 0) {
+    point->map_bytes = stats.maps.map_bytes;
+    point->moment_bytes = stats.maps.moment_bytes;
+    point->view_bytes = stats.mask.bytes;
   }
-  point->samples[backend][REPORT_SHADOW_MS][round] = sum;
-  point->map_bytes = stats.maps.map_bytes;
   return 0;
+}
+
+/* A mask with a history is judged once it has one. */
+static int fill_history(const csm_config *config, stage *s) {
+  const uint32_t frames = config->history == CSM_HISTORY_ON ? config->history_frames : 0;
+  stage_stats unused;
+  int code = 0;
+  for (uint32_t i = 0; code == 0 && i < frames; i++)
+    code = stage_draw(s, &unused);
+  return code;
 }
 
 /* Masks that are the same have the same metrics: those are not computed again. */
@@ -122,7 +124,9 @@ static int measure_point(report_point *point, const report_studio *studio) {
   uint8_t *kinds = host_allocate(pixels, 1);
   int code = 0;
   for (uint32_t b = 0; code == 0 && b < studio->stage_count; b++) {
-    code = stage_read(&studio->stages[b], false, &frames[b]);
+    code = fill_history(&point->config, &studio->stages[b]);
+    if (code == 0)
+      code = stage_read(&studio->stages[b], false, &frames[b]);
     if (code)
       break;
     const bool same = b > 0 && memcmp(frames[0].mask, frames[b].mask, pixels * sizeof(float)) == 0 &&
@@ -158,7 +162,7 @@ static int draw_reference(const report_studio *studio, double *ms) {
     stage_stats stats;
     code = stage_draw(&studio->references[b], &stats);
     if (code == 0)
-      *ms += stats.maps.plan_ms + stats.maps.record_ms + stage_maps_ms(&stats) + stage_mask_ms(&stats);
+      *ms += stats.maps.plan_ms + stats.maps.record_ms + stage_shadows_ms(&stats);
   }
   return code;
 }
@@ -190,8 +194,8 @@ static bool take_out(report_sweep *sweep, uint32_t first) {
   report_point *at = &sweep->points[first];
   if (sweep->base >= first && sweep->base < first + sweep->per_shape)
     return false;
-  host_fail(0, "%u maps of %u x %u are left out", at->config.cascade_count, at->config.resolution,
-            at->config.resolution);
+  host_fail(0, "%s%s%u maps of %u x %u are left out", at->name ? at->name : "", at->name ? ": " : "",
+            at->config.cascade_count, at->config.resolution, at->config.resolution);
   sweep->count -= sweep->per_shape;
   memmove(at, at + sweep->per_shape, (sweep->count - first) * sizeof *at);
   if (sweep->base > first)
@@ -275,6 +279,8 @@ int report_draw(const report_studio *studio, uint32_t backend, const csm_config 
   int code = stage_configure(s, config);
   if (code == 0)
     code = stage_draw(s, &stats);
+  if (code == 0)
+    code = fill_history(config, s);
   return code ? code : stage_read(s, false, out);
 }
 

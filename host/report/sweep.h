@@ -8,12 +8,15 @@
 #define REPORT_MAX_ROUNDS 31u /* as many as a comparison takes by its definition in docs/accuracy.md */
 #define REPORT_QUICK_ROUNDS 5u
 
-/* REPORT_SHADOW_MS is what shadows take of a frame: plan, record, maps and mask. */
+/* The last two are sums: what shadows take of the GPU (the four before them), and of a frame (all before them). */
 typedef enum report_time {
   REPORT_PLAN_MS,
   REPORT_RECORD_MS,
   REPORT_MAPS_MS,
+  REPORT_MOMENTS_MS,
   REPORT_MASK_MS,
+  REPORT_HISTORY_MS,
+  REPORT_GPU_MS,
   REPORT_SHADOW_MS,
   REPORT_TIMES
 } report_time;
@@ -21,9 +24,11 @@ typedef enum report_time {
 /* One configuration, and what each backend made of it. */
 typedef struct report_point {
   csm_config config;
-  const char *name; /* of a preset, or NULL */
-  uint64_t map_bytes;
-  uint64_t differing; /* pixels whose masks differ between backends by more than they may */
+  const char
+      *name; /* of a preset, or of one of the settings that a soft sun is measured with; NULL: its shape says it */
+  bool is_preset;
+  uint64_t map_bytes, moment_bytes, view_bytes; /* on the first backend */
+  uint64_t differing;                           /* pixels whose masks differ between backends by more than they may */
   metrics metrics[HOST_BACKENDS];
   double samples[HOST_BACKENDS][REPORT_TIMES][REPORT_MAX_ROUNDS]; /* ms */
   double reference_ms[REPORT_MAX_ROUNDS]; /* first of a shape: the base on all backends, drawn before it and after it */
@@ -37,16 +42,26 @@ typedef struct report_sweep {
   uint32_t rounds; /* that were timed: one drawing of every point on every backend, in turn */
 } report_sweep;
 
+/* How many filters there are. */
+uint32_t report_filter_count(void);
+
 /*
  * Every combination of the options' cascade counts and resolutions with every filter and bias mode that go together;
  * the rest, and one more shape if it is not among them, is `base`'s.
  */
 void report_sweep_make(report_sweep *out, const host_options *options, const csm_config *base);
 /*
- * The setup's own configuration, which is the base, and then the options' presets, each a shape of its own. A preset
- * that leaves the shadow distance open takes the scene's. 0, or HOST_BAD_INPUT after a message.
+ * The setup's own configuration, which is the base, and then the options' presets and those that they are held against,
+ * each a shape of its own. A preset that leaves the shadow distance open takes the scene's. 0, or HOST_BAD_INPUT after a
+ * message.
  */
 int report_sweep_make_presets(report_sweep *out, const host_options *options, const host_setup *setup);
+/*
+ * What a soft sun is measured with: the setup's own configuration, which is the base; the same with every filter, and
+ * with the settings that a technique is known by; then the options' presets, or all there are. Each is a shape of its
+ * own. 0, or HOST_BAD_INPUT after a message.
+ */
+int report_sweep_make_soft(report_sweep *out, const host_options *options, const host_setup *setup);
 void report_sweep_free(report_sweep *sweep);
 
 /* What draws a scene, and what it is measured against. */

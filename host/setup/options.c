@@ -36,7 +36,12 @@ static const char help[] =
     "  --size WxH                  pixels; 1280x720\n"
     "  --config FILE.json          keys as `csm-host config` lists them; the rest keeps its default\n"
     "  --preset NAME               a configuration by name, as `csm-host presets` lists them; --config goes over it\n"
-    "  --presets all|LIST          measure: compares these with the configuration: a table of errors and times\n"
+    "  --presets all|LIST          measure: compares these with the configuration: a table of errors and times;\n"
+    "                              report: what joins the sweep under a soft sun; all\n"
+    "  --against LIST              measure --presets: holds them against the best of these, the textbook's\n"
+    "  --suns LIST                 report, measure --presets: the sun's diameters in degrees, 0 for a hard one, each "
+    "by\n"
+    "                              itself; the light's own\n"
     "  --backend vulkan|d3d12|both both is the default\n"
     "  --device NAME               part of the device's name\n"
     "  --out DIR                   run: where lit, mask, cascades, density, maps, frusta, culled and\n"
@@ -132,35 +137,58 @@ static int parse_preset(host_options *out, const char *value) {
   return out->preset ? 0 : HOST_BAD_INPUT;
 }
 
-static int add_preset(host_options *out, const char *name) {
-  const char *found = preset_find("--presets", name);
+static int add_preset(options_presets *out, const char *option, const char *name) {
+  const char *found = preset_find(option, name);
   if (!found)
     return HOST_BAD_INPUT;
-  for (uint32_t i = 0; i < out->preset_count; i++)
-    if (out->presets[i] == found)
-      return host_fail(HOST_BAD_INPUT, "--presets: '%s' is named twice", name);
-  if (out->preset_count == OPTIONS_MAX_PRESETS)
-    return host_fail(HOST_BAD_INPUT, "--presets: more than %d", OPTIONS_MAX_PRESETS);
-  out->presets[out->preset_count++] = found;
+  for (uint32_t i = 0; i < out->count; i++)
+    if (out->names[i] == found)
+      return host_fail(HOST_BAD_INPUT, "%s: '%s' is named twice", option, name);
+  if (out->count == OPTIONS_MAX_PRESETS)
+    return host_fail(HOST_BAD_INPUT, "%s: more than %d", option, OPTIONS_MAX_PRESETS);
+  out->names[out->count++] = found;
   return 0;
 }
 
-static int parse_presets(host_options *out, const char *value) {
+static int parse_preset_list(options_presets *out, const char *option, const char *value) {
   const bool all = strcmp(value, "all") == 0;
-  char names[1024], *rest = NULL;
+  char names[2048], *rest = NULL;
   int code = 0;
-  out->preset_count = 0;
+  out->count = 0;
   for (uint32_t i = 0; all && code == 0 && preset_name(i); i++)
-    code = add_preset(out, preset_name(i));
+    code = add_preset(out, option, preset_name(i));
   if (all || code)
     return code;
   if ((size_t)snprintf(names, sizeof names, "%s", value) >= sizeof names)
-    return host_fail(HOST_BAD_INPUT, "--presets: too long");
+    return host_fail(HOST_BAD_INPUT, "%s: too long", option);
   const char *name = strtok_r(names, ",", &rest);
   do
-    code = add_preset(out, name ? name : "");
+    code = add_preset(out, option, name ? name : "");
   while (code == 0 && (name = strtok_r(NULL, ",", &rest)));
   return code;
+}
+
+static int parse_presets(host_options *out, const char *value) {
+  return parse_preset_list(&out->presets, "--presets", value);
+}
+
+static int parse_against(host_options *out, const char *value) {
+  return parse_preset_list(&out->against, "--against", value);
+}
+
+static int parse_suns(host_options *out, const char *value) {
+  bool good = true;
+  out->sun_count = parse_numbers(value, ',', out->suns, OPTIONS_MAX_SUNS);
+  for (uint32_t i = 0; i < out->sun_count; i++) {
+    good = good && out->suns[i] >= 0.0 && out->suns[i] < 180.0;
+    for (uint32_t k = 0; k < i; k++)
+      good = good && out->suns[i] != out->suns[k];
+  }
+  return good && out->sun_count > 0
+             ? 0
+             : host_fail(HOST_BAD_INPUT,
+                         "--suns: not up to %d different diameters, 0 to 180 degrees, with commas: '%s'",
+                         OPTIONS_MAX_SUNS, value);
 }
 
 static int parse_sun_samples(host_options *out, const char *value) {
@@ -258,6 +286,8 @@ static int parse_option(host_options *out, const char *name, const char *value) 
                           {"--config", NULL, &out->config_file},
                           {"--preset", parse_preset, NULL},
                           {"--presets", parse_presets, NULL},
+                          {"--against", parse_against, NULL},
+                          {"--suns", parse_suns, NULL},
                           {"--backend", parse_backend, NULL},
                           {"--device", NULL, &out->device},
                           {"--out", parse_out, NULL},
@@ -322,6 +352,18 @@ static void complete_sweep(host_options *out) {
     out->resolutions = resolutions[out->quick];
 }
 
+/* One sun is the light's; several are gone through where that makes sense. */
+static int complete_suns(host_options *out) {
+  const bool compares = out->command == COMMAND_MEASURE && out->presets.count > 0;
+  out->has_disc = out->sun_count == 1;
+  out->disc_deg = out->suns[0];
+  if (out->sun_count > 1 && out->command != COMMAND_REPORT && !compares)
+    return host_fail(HOST_BAD_INPUT, "--suns: only report and measure --presets take more than one");
+  if (out->against.count > 0 && !compares)
+    return host_fail(HOST_BAD_INPUT, "--against: only measure --presets holds something against it");
+  return 0;
+}
+
 int options_parse(host_options *out, int count, char **arguments) {
   *out = (host_options){.scene = "valley",
                         .width = 1280,
@@ -348,7 +390,7 @@ int options_parse(host_options *out, int count, char **arguments) {
     i++;
   }
   complete_sweep(out);
-  return code;
+  return code ? code : complete_suns(out);
 }
 
 const char *options_base_name(const host_options *options) {
@@ -420,6 +462,8 @@ int setup_load(host_setup *out, const host_options *options) {
   out->width = options->width;
   out->height = options->height;
   out->light = options->has_light ? options->light : out->scene.light;
+  if (options->has_disc)
+    out->light.disc_deg = options->disc_deg;
   out->shadow_distance = options->has_shadow_distance ? options->shadow_distance : out->scene.shadow_distance;
   code = setup_camera(out, options);
   if (code == 0)

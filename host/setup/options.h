@@ -23,8 +23,15 @@ typedef enum host_command {
 #define HOST_BACKENDS 2
 #define OPTIONS_MAX_SCENES 16
 #define OPTIONS_MAX_LIST 16
-#define OPTIONS_MAX_PRESETS 64
+#define OPTIONS_MAX_PRESETS 96
 #define OPTIONS_MAX_CASES 64
+#define OPTIONS_MAX_SUNS 8
+
+/* Presets by name, as presets have it, each once. */
+typedef struct options_presets {
+  const char *names[OPTIONS_MAX_PRESETS];
+  uint32_t count;
+} options_presets;
 
 /* Whole numbers, each once. */
 typedef struct options_list {
@@ -54,9 +61,13 @@ typedef struct host_options {
   const char *only;                       /* bench: one part, or NULL */
   const char *scenes[OPTIONS_MAX_SCENES]; /* report: all that were named */
   uint32_t scene_count;
-  options_list cascades, resolutions;       /* report: what is swept */
-  const char *presets[OPTIONS_MAX_PRESETS]; /* measure: what is compared, by name, each once */
-  uint32_t preset_count;
+  options_list cascades, resolutions; /* report: what is swept */
+  options_presets presets;            /* measure: what is compared; report: what joins a sweep under a soft sun */
+  options_presets against;            /* measure: what `presets` are held against */
+  double suns[OPTIONS_MAX_SUNS];      /* report, measure: the discs' diameters in degrees; none: the light's own */
+  uint32_t sun_count;
+  bool has_disc; /* the one that is meant is: */
+  double disc_deg;
   const char *cases[OPTIONS_MAX_CASES]; /* hard: by name; none: all of them */
   uint32_t case_count;
   char case_names[1024]; /* what `cases` points into */

@@ -14,7 +14,7 @@ const char *preset_name(uint32_t index) {
 }
 
 const char *preset_find(const char *option, const char *name) {
-  char names[1024] = "";
+  char names[2048] = "";
   size_t used = 0;
   for (uint32_t i = 0; preset_name(i); i++) {
     if (strcmp(preset_name(i), name) == 0)

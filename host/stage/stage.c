@@ -230,8 +230,8 @@ static void median_times(stage_stats *out, const stage_stats timed[TIMED_FRAMES]
   out->mask.camera_depth_gpu_ms =
       middle_of_three(a->mask.camera_depth_gpu_ms, b->mask.camera_depth_gpu_ms, c->mask.camera_depth_gpu_ms);
   out->mask.mask_gpu_ms = middle_of_three(a->mask.mask_gpu_ms, b->mask.mask_gpu_ms, c->mask.mask_gpu_ms);
-  out->mask.history_gpu_ms =
-      middle_of_three(a->mask.history_gpu_ms, b->mask.history_gpu_ms, c->mask.history_gpu_ms);
+  out->mask.history_gpu_ms = middle_of_three(a->mask.history_gpu_ms, b->mask.history_gpu_ms, c->mask.history_gpu_ms);
+  out->maps.moments_gpu_ms = middle_of_three(a->maps.moments_gpu_ms, b->maps.moments_gpu_ms, c->maps.moments_gpu_ms);
   for (uint32_t k = 0; k < out->maps.cascade_count; k++)
     out->maps.cascades[k].gpu_ms =
         middle_of_three(a->maps.cascades[k].gpu_ms, b->maps.cascades[k].gpu_ms, c->maps.cascades[k].gpu_ms);
@@ -366,10 +366,22 @@ double stage_maps_ms(const stage_stats *stats) {
   return sum;
 }
 
+double stage_moments_ms(const stage_stats *stats) {
+  return fmax(stats->maps.moments_gpu_ms, 0.0);
+}
+
 double stage_mask_ms(const stage_stats *stats) {
-  return stats->mask.mask_gpu_ms + fmax(stats->mask.history_gpu_ms, 0.0);
+  return stats->mask.mask_gpu_ms;
+}
+
+double stage_history_ms(const stage_stats *stats) {
+  return fmax(stats->mask.history_gpu_ms, 0.0);
+}
+
+double stage_shadows_ms(const stage_stats *stats) {
+  return stage_maps_ms(stats) + stage_moments_ms(stats) + stage_mask_ms(stats) + stage_history_ms(stats);
 }
 
 double stage_view_ms(const stage_stats *stats) {
-  return stats->mask.camera_depth_gpu_ms + stage_mask_ms(stats);
+  return stats->mask.camera_depth_gpu_ms + stage_mask_ms(stats) + stage_history_ms(stats);
 }

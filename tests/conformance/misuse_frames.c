@@ -177,6 +177,8 @@ static void masks(void **state) {
       {"unknown flags", MASK(flags), {2}, CSM_ERROR_INVALID_VALUE, "flags"},
       {"an engine's depth", MASK(camera_depth), {.pointer = "an image"}, CSM_ERROR_UNSUPPORTED, "camera_depth"},
       {"an engine's normals", MASK(normals), {.pointer = "an image"}, CSM_ERROR_UNSUPPORTED, "normals"},
+      {"an engine's motion", MASK(motion), {.pointer = "an image"}, CSM_ERROR_UNSUPPORTED, "motion"},
+      {"a history that is not kept", MASK(show), {CSM_SHOW_HISTORY}, CSM_ERROR_INVALID_VALUE, "history"},
       {"nothing to show", MASK(show), {3}, CSM_ERROR_INVALID_VALUE, "show"},
       {"reserved", MASK(reserved), {1}, CSM_ERROR_INVALID_VALUE, "reserved"},
   };

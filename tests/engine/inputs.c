@@ -1,4 +1,4 @@
-/* inputs.c: what an engine hands in: its camera's depth and normals, and its own vertices and indices. */
+/* inputs.c: what an engine hands in: its camera's depth, normals and motion, and its own vertices and indices. */
 #include "stage.h"
 
 #include <math.h>
@@ -32,6 +32,7 @@ static picture draw_own(float depth[PIXELS]) {
 typedef struct seen {
   const rig_image *depth, *normals;
   uint32_t show; /* CSM_SHOW_* */
+  const rig_image *motion;
 } seen;
 
 /* The maps, and the mask of the engine's images; with its depth, the camera needs no instances. */
@@ -47,7 +48,8 @@ static picture draw_seen(stage *stage, seen seen) {
                               .height = HEIGHT,
                               .camera_depth = rig_image_native(seen.depth),
                               .normals = seen.normals ? rig_image_native(seen.normals) : NULL,
-                              .show = seen.show};
+                              .show = seen.show,
+                              .motion = seen.motion ? rig_image_native(seen.motion) : NULL};
   const csm_result result = csm_resolve_mask(stage->view, stage->cascades, &mask);
   if (result)
     fail_msg("%s: %s", csm_result_name(result), csm_last_error(stage->context));
@@ -220,6 +222,70 @@ static void what_is_shown_instead_needs_no_normals(void **state) {
   rig_close(rig);
 }
 
+/* ---- motion ---- */
+
+/* The whole picture's motion, in four halves or floats of which csm reads two. */
+static rig_image *make_motion(rig *rig, rig_format format, const float motion[2], const uint16_t halves[2]) {
+  const uint32_t bytes = rig_texel_bytes(format);
+  unsigned char *texels = calloc(PIXELS, bytes);
+  assert_non_null(texels);
+  for (uint32_t i = 0; i < PIXELS; ++i)
+    memcpy(texels + (size_t)i * bytes, format == RIG_RGBA_FLOAT_32 ? (const void *)motion : halves, bytes / 2);
+  rig_image *image = make_image(rig, format, 0, texels);
+  free(texels);
+  return image;
+}
+
+/* The share of pixels with a surface whose history has so many frames. */
+static double share_of(const picture *shown, uint32_t frames) {
+  uint32_t surfaces = 0, as_many = 0;
+  const float *mask = shown->layers[shown->count - 1].texels;
+  for (uint32_t i = 0; i < PIXELS; ++i) {
+    const uint32_t has = (uint32_t)(mask[i] * 255.0f + 0.5f);
+    surfaces += has > 0;
+    as_many += has == frames;
+  }
+  return surfaces ? (double)as_many / surfaces : 0.0;
+}
+
+/* Without motion, with none that is told, and with one to the left: from outside of the picture, or from the pixel beside,
+   where the ground and most faces go on. */
+static void motion_says_where_a_surface_was(void **state) {
+  (void)state;
+  static float depth[PIXELS];
+  static const struct {
+    float motion[2];
+    uint16_t halves[2];
+    double least, most; /* share of the pixels that go on */
+  } ways[] = {{{0, 0}, {0, 0}, 1, 1}, {{-2, 0}, {0xc000, 0}, 0, 0}, {{0, 1.5f}, {0, 0x3e00}, 0, 0},
+              {{-1.0f / 64, 0}, {0xa400, 0}, 0.5, 0.99}};
+  picture own = draw_own(depth);
+  picture_free(&own);
+  for (int format = 0; format < 2; ++format)
+    for (size_t i = 0; i < sizeof ways / sizeof ways[0]; ++i) {
+      stage stage;
+      rig *rig = rig_open(RIG_TYPICAL);
+      stage_open(&stage, rig);
+      stage.config.history = CSM_HISTORY_ON;
+      stage_configure(&stage);
+      rig_image *images[] = {make_image(rig, RIG_DEPTH_32, 0, depth),
+                             make_motion(rig, format ? RIG_RGBA_FLOAT_16 : RIG_RGBA_FLOAT_32, ways[i].motion,
+                                         ways[i].halves)};
+      const seen seen = {.depth = images[0], .show = CSM_SHOW_HISTORY, .motion = images[1]};
+      picture first = draw_seen(&stage, seen), second = draw_seen(&stage, seen);
+      assert_true(share_of(&first, 1) == 1.0);
+      const double goes_on = share_of(&second, 2);
+      assert_true(goes_on >= ways[i].least && goes_on <= ways[i].most);
+      assert_true(goes_on + share_of(&second, 1) >= 1.0 - 1e-9);
+      picture_free(&first);
+      picture_free(&second);
+      for (int k = 0; k < 2; ++k)
+        rig_image_free(rig, images[k]);
+      stage_close(&stage);
+      rig_close(rig);
+    }
+}
+
 /* ---- vertices and indices ---- */
 
 /* How an engine lays a mesh out: positions among other attributes, indices behind them or in another buffer. */
@@ -337,6 +403,7 @@ int main(int argc, char **argv) {
       cmocka_unit_test(own_depth_gives_the_same_mask),
       cmocka_unit_test(normals_of_every_coding_agree),
       cmocka_unit_test(what_is_shown_instead_needs_no_normals),
+      cmocka_unit_test(motion_says_where_a_surface_was),
       cmocka_unit_test(own_buffers_draw_as_copies_on_a_typical_device),
       cmocka_unit_test(own_buffers_draw_as_copies_on_a_bare_device),
   };

@@ -193,27 +193,30 @@ static void alpha_tested_meshes_are_checked(void **state) {
 }
 
 /* In a frame that is open, whose maps are drawn. */
-static void expect_images(fixture *f, const void *depth, const void *normals, const misuse *row) {
+static void expect_images(fixture *f, const void *depth, const void *normals, const void *motion, const misuse *row) {
   shot shot = stage_shot(&f->stage, 0);
   const csm_mask_info mask = {.struct_size = sizeof mask,
                               .frame = shot_frame(&shot),
                               .width = size.width,
                               .height = size.height,
                               .camera_depth = depth,
-                              .normals = normals};
+                              .normals = normals,
+                              .motion = motion};
   const csm_result result = csm_resolve_mask(f->stage.view, f->stage.cascades, &mask);
   misuse_expect(row, result, csm_last_error(f->stage.context));
 }
 
-/* In place of depth, or of normals beside a good depth. */
-static void expect_image_rows(fixture *f, const rig_image *image, bool normals, const rig_native *depth) {
+/* In place of depth, or of normals and of motion beside a good depth. */
+static void expect_image_rows(fixture *f, const rig_image *image, const rig_native *depth) {
   misuse rows[MISUSE_ROWS];
   rig_native good;
   const uint32_t count = rig_misuses(f->rig, RIG_IMAGE, image, &f->buffer, &good, rows);
   for (uint32_t i = 0; i < count; ++i) {
     rig_native wrong = good;
     misuse_apply(&rows[i], &wrong);
-    expect_images(f, normals ? depth : &wrong, normals ? &wrong : NULL, &rows[i]);
+    expect_images(f, depth ? depth : (const void *)&wrong, depth ? &wrong : NULL, NULL, &rows[i]);
+    if (depth)
+      expect_images(f, depth, NULL, &wrong, &rows[i]);
   }
 }
 
@@ -224,10 +227,13 @@ static void images_are_checked(void **state) {
   static const misuse no_depth = {.what = "normals for depth", .expected = CSM_ERROR_INVALID_VALUE, .words = "depth"};
   static const misuse no_normals = {
       .what = "depth for normals", .expected = CSM_ERROR_INVALID_VALUE, .words = "normals"};
+  static const misuse no_motion = {.what = "depth for motion", .expected = CSM_ERROR_INVALID_VALUE, .words = "motion"};
   misuse rows[MISUSE_ROWS];
   rig_native depth, normals;
   fixture f;
   fixture_open(&f);
+  f.stage.config.history = CSM_HISTORY_ON; /* motion is read */
+  stage_configure(&f.stage);
   rig_image *image = rig_image_make(
       f.rig, &(rig_image_info){.format = RIG_RGBA_FLOAT_32, .width = 96, .height = 64, .texels = texels});
   rig_misuses(f.rig, RIG_IMAGE, f.image, &f.buffer, &depth, rows);
@@ -235,11 +241,12 @@ static void images_are_checked(void **state) {
   rig_begin(f.rig);
   shot shot = stage_shot(&f.stage, 0);
   stage_render(&f.stage, &shot);
-  expect_image_rows(&f, f.image, false, NULL);
-  expect_image_rows(&f, image, true, &depth);
-  expect_images(&f, &normals, NULL, &no_depth);
-  expect_images(&f, &depth, &depth, &no_normals);
-  expect_images(&f, &depth, &normals, &fine);
+  expect_image_rows(&f, f.image, NULL);
+  expect_image_rows(&f, image, &depth);
+  expect_images(&f, &normals, NULL, NULL, &no_depth);
+  expect_images(&f, &depth, &depth, NULL, &no_normals);
+  expect_images(&f, &depth, NULL, &depth, &no_motion);
+  expect_images(&f, &depth, &normals, &normals, &fine);
   stage_finish(&f.stage);
   rig_image_free(f.rig, image);
   fixture_close(&f);

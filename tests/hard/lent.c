@@ -133,4 +133,6 @@ void lent_images(lent *lent, dice *dice, csm_mask_info *info) {
   info->camera_depth = rig_image_native(depths[dice_below(dice, 6)]);
   if (dice_one_in(dice, 2))
     info->normals = rig_image_native(normals[dice_below(dice, 6)]);
+  if (dice_one_in(dice, 3)) /* read with a history alone; normals are four floats as well */
+    info->motion = rig_image_native(normals[dice_below(dice, 6)]);
 }

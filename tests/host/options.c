@@ -53,6 +53,20 @@ static void options_are_understood(void **state) {
   assert_true(o.backends[1]);
 }
 
+static void suns_are_understood(void **state) {
+  (void)state;
+  host_options o;
+  assert_int_equal(parse(&o, (const char *const[]){"run", "--suns", "5", NULL}), 0);
+  assert_true(o.has_disc && o.disc_deg == 5.0);
+  assert_int_equal(parse(&o, (const char *const[]){"report", "--suns", "0,0.53,5", NULL}), 0);
+  assert_true(o.sun_count == 3 && o.suns[1] == 0.53 && !o.has_disc);
+  assert_int_equal(parse(&o, (const char *const[]){"measure", "--presets", "low,high", "--against", "medium", "--suns",
+                                                   "0,5", NULL}),
+                   0);
+  assert_int_equal(o.presets.count, 2);
+  assert_string_equal(o.against.names[0], "medium");
+}
+
 static void bad_options_are_refused(void **state) {
   (void)state;
   host_options o;
@@ -78,6 +92,14 @@ static void bad_options_are_refused(void **state) {
                                 {"measure", "--sun-samples", "99999"},
                                 {"report", "--cascades", "9"},
                                 {"report", "--resolutions", "1024,1024"},
+                                {"report", "--suns", ""},
+                                {"report", "--suns", "0.5,"},
+                                {"report", "--suns", "1,1"},
+                                {"report", "--suns", "-1"},
+                                {"report", "--suns", "180"},
+                                {"run", "--suns", "0,1"},
+                                {"measure", "--suns", "0,1"},
+                                {"measure", "--against", "low"},
                                 {"report", "--minutes", "0"}};
   for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
     assert_int_equal(parse(&o, (const char *const[]){bad[i][0], bad[i][1], bad[i][2], NULL}), 2);
@@ -177,13 +199,10 @@ static void every_field_is_described(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(numbers_are_strict),
-      cmocka_unit_test(options_are_understood),
-      cmocka_unit_test(bad_options_are_refused),
-      cmocka_unit_test(configurations_are_read),
-      cmocka_unit_test(presets_keep_the_scenes_distance),
-      cmocka_unit_test(presets_are_found_by_name),
-      cmocka_unit_test(every_field_is_described),
+      cmocka_unit_test(numbers_are_strict),        cmocka_unit_test(options_are_understood),
+      cmocka_unit_test(suns_are_understood),       cmocka_unit_test(bad_options_are_refused),
+      cmocka_unit_test(configurations_are_read),   cmocka_unit_test(presets_keep_the_scenes_distance),
+      cmocka_unit_test(presets_are_found_by_name), cmocka_unit_test(every_field_is_described),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -6,7 +6,7 @@
 
 static void every_preset_is_sound(void **state) {
   (void)state;
-  assert_true(plan_preset_count >= 18);
+  assert_true(plan_preset_count >= 38);
   for (uint32_t i = 0; i < plan_preset_count; ++i) {
     csm_config config;
     const char *error = NULL;
@@ -47,6 +47,31 @@ static void an_unknown_value_is_refused(void **state) {
   assert_non_null(strstr(error, "snap_mode"));
 }
 
+/* A preset that mends another one has its name, and is another configuration. */
+static void what_is_fixed_errs_without(void **state) {
+  (void)state;
+  static const char mended[] = "-fixed";
+  const size_t ending = sizeof mended - 1;
+  uint32_t pairs = 0;
+  for (uint32_t i = 0; i < plan_preset_count; ++i) {
+    char name[64] = "";
+    const size_t length = strlen(plan_presets[i].name);
+    assert_true(length < sizeof name);
+    if (length <= ending || strcmp(plan_presets[i].name + length - ending, mended) != 0)
+      continue;
+    memcpy(name, plan_presets[i].name, length - ending);
+    const plan_preset *errs = plan_preset_find(name);
+    if (!errs)
+      fail_msg("%s mends no preset", plan_presets[i].name);
+    csm_config with, without;
+    plan_preset_config(&with, errs);
+    plan_preset_config(&without, &plan_presets[i]);
+    assert_memory_not_equal(&with, &without, sizeof with);
+    ++pairs;
+  }
+  assert_true(pairs >= 8);
+}
+
 static void names_are_found(void **state) {
   (void)state;
   for (uint32_t i = 0; i < plan_preset_count; ++i)
@@ -61,6 +86,7 @@ int main(void) {
       cmocka_unit_test(every_preset_is_sound),
       cmocka_unit_test(settings_go_over_the_defaults),
       cmocka_unit_test(an_unknown_value_is_refused),
+      cmocka_unit_test(what_is_fixed_errs_without),
       cmocka_unit_test(names_are_found),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -130,7 +130,7 @@ static void descriptions_end(void **state) {
   uint32_t count = 0;
   while (csm_config_preset_describe(count, &info) == CSM_SUCCESS)
     ++count;
-  assert_true(count >= 18);
+  assert_true(count >= 38);
   expect_info(count, sizeof info, CSM_ERROR_INVALID_INDEX);
   expect_info(UINT32_MAX, sizeof info, CSM_ERROR_INVALID_INDEX);
   expect_info(0, 0, CSM_ERROR_STRUCT_SIZE);

@@ -12,7 +12,8 @@ from tiny_gltf import box, quad, write_gltf
 host, backends = sys.argv[1], sys.argv[2:]
 folder = tempfile.TemporaryDirectory()
 at = lambda *names: os.path.join(folder.name, *names)
-FILTERS = ('pcf_2x2', 'pcf_3x3', 'nearest', 'linear_depth', 'pcf_5x5', 'pcf_7x7', 'pcf_n', 'poisson', 'vogel', 'grid_17')
+FILTERS = ('vsm', 'esm', 'evsm2', 'evsm4', 'msm4', 'pcss', 'backprojection',
+           'pcf_2x2', 'pcf_3x3', 'nearest', 'linear_depth', 'pcf_5x5', 'pcf_7x7', 'pcf_n', 'poisson', 'vogel', 'grid_17')
 BIAS_MODES = ('slope', 'receiver_plane')
 
 
@@ -56,6 +57,23 @@ class Page(html.parser.HTMLParser):
             assert 'url(' not in data and '@import' not in data
 
 
+def is_soft(scene):
+    return scene['light']['disc_deg'] > 0
+
+
+def check_pictures(short, long, backend):
+    """Of a hard sun those that were chosen; of a soft one the best of each filter."""
+    if not is_soft(long):
+        assert {p['point'] for p in short['pictures']} == {
+            long['base'], *(long['verdicts'][backend][key] for key in ('knee', 'least_error'))}
+        assert short['techniques'] == []
+        return
+    points = long['configurations']
+    error = lambda i: points[i]['backends'][backend]['error']
+    best = {f: min((i for i, p in enumerate(points) if p['filter'] == f), key=error) for f in {p['filter'] for p in points}}
+    assert {p['point'] for p in short['techniques']} == set(best.values()) and short['pictures'] == []
+
+
 def load(name):
     """A report's page and its JSON, which must agree."""
     with open(at(name, 'report.html'), encoding='utf-8') as file:
@@ -69,12 +87,13 @@ def load(name):
         assert len(short['rows']) == len(long['configurations'])
         assert short['verdicts'] == long['verdicts']
         for row, configuration in zip(short['rows'], long['configurations']):
-            assert all(configuration[key] == value for key, value in row[0].items()) and len(row[0]) == 4
+            assert all(configuration[key] == value for key, value in row[0].items())
+            assert len(row[0]) == (6 if is_soft(long) else 4)
             assert len(row) == 3 + len(full['backends'])
-        for uri in [short['truth_picture']] + [p[kind] for p in short['pictures'] for kind in ('drawn', 'errors')]:
+        pictures = [p[kind] for p in short['pictures'] for kind in ('drawn', 'errors')] + [p['picture'] for p in short['techniques']]
+        for uri in [short['truth_picture']] + pictures:
             assert uri.startswith('data:image/png;base64,iVBORw0KGgo') and len(uri) > 200
-        assert {p['point'] for p in short['pictures']} == {
-            long['base'], *(long['verdicts'][full['backends'][0]['name']][key] for key in ('knee', 'least_error'))}
+        check_pictures(short, long, full['backends'][0]['name'])
     what = lambda report: [(c['case'], c['about'], [(f['what'], f['holds']) for f in c['figures']]) for c in report['hard']]
     assert what(data) == what(full)
     assert all(c['picture'].startswith('data:image/png;base64,iVBORw0KGgo') and c['pictured'] for c in data['hard'])
@@ -95,9 +114,15 @@ def shape(configuration):
 
 def check_scene(scene, shapes, rounds):
     points = scene['configurations']
+    assert not is_soft(scene)
     wanted = {(c, r, f, b) for c, r in shapes for f in FILTERS for b in BIAS_MODES
               if (f, b) != ('linear_depth', 'receiver_plane')}
     assert len(points) == len(wanted) and {shape(p) for p in points} == wanted
+    check_points(scene, rounds)
+
+
+def check_points(scene, rounds):
+    points = scene['configurations']
     assert scene['rounds'] == rounds
     assert all(math.isfinite(n) for n in numbers(scene))
     for point in points:
@@ -106,10 +131,11 @@ def check_scene(scene, shapes, rounds):
         for result in point['backends'].values():
             metrics, ms = result['metrics'], result['shadow_ms']
             wrong = metrics['false_lit'] + metrics['false_shadow']
-            assert result['error'] == (metrics['rmse'] if scene['error'] == 'rmse' else wrong)
+            assert result['error'] == (metrics['rmse'] if is_soft(scene) else wrong)
             assert metrics['pixels'] > 2000 and wrong < 0.5, (scene['scene'], shape(point), metrics)
             assert 0 < ms['low'] <= ms['median'] <= ms['high']
-            assert ms['median'] >= max(result[part]['median'] for part in ('plan_ms', 'maps_ms', 'mask_ms')) * 0.5
+            assert ms['median'] >= max(result[part]['median'] for part in ('plan_ms', 'gpu_ms')) * 0.5
+            assert result['gpu_ms']['median'] >= max(result[part]['median'] for part in ('maps_ms', 'mask_ms')) * 0.5
         if len(backends) == 2:
             assert point['ratio']['low'] <= point['ratio']['median'] <= point['ratio']['high']
             assert point['differing_pixels'] == 0
@@ -121,7 +147,8 @@ def check_verdict(scene, backend):
     """The front, its knee and the base's place, found anew."""
     verdict, base = scene['verdicts'][backend], scene['base']
     results = [p['backends'][backend] for p in scene['configurations']]
-    score = [(r['shadow_ms']['median'], max(r['error'], 0.5 / r['metrics']['pixels'])) for r in results]
+    time, least = ('gpu_ms', 1e-6) if is_soft(scene) else ('shadow_ms', 0)
+    score = [(r[time]['median'], max(r['error'], least or 0.5 / r['metrics']['pixels'])) for r in results]
     beats = lambda a, b: a[0] <= b[0] and a[1] <= b[1] and a != b
     front = [i for i, s in enumerate(score) if not any(beats(t, s) for t in score)]
     front.sort(key=lambda i: score[i])
@@ -168,15 +195,24 @@ assert own['hard'] == []
 check_scene(own['scenes'][0], shapes, 1)
 assert own['scenes'][0]['truth']['cached'] and own['base_name'] == '--config' and own['scenes'][0]['base_config']['split_lambda'] == 0.5
 assert shape(own['scenes'][0]['configurations'][own['scenes'][0]['base']]) == (3, 64, 'pcf_2x2', 'receiver_plane')
+
+# Soft suns, two scenes: every filter, and the presets that are named. Scenes under one sun are judged together.
 other = write_gltf(at('other.gltf'), ground + box((-3, 0, -3), (-2, 6, 4)))
-run(*small, '--scene', other, '--shadow-distance', '200', '--light', '0.5,-0.8,0.3:3', '--sun-samples', '16', *few, '--config', at('own.json'),
-    '--minutes', '1e-9', '--out', at('soft'))
+run(*small, '--scene', other, '--shadow-distance', '200', '--suns', '0,3', '--sun-samples', '16', '--cascades', '1', '--resolutions',
+    '64', '--config', at('own.json'), '--presets', 'low,godot', '--minutes', '1e-9', '--out', at('soft'))
 soft = load('soft')
-assert [s['scene'] for s in soft['scenes']] == [scene, other]
-for one in soft['scenes']:
-    check_scene(one, shapes, 1)
-    assert one['error'] == 'rmse' and one['truth']['rays'] == 16
-assert soft['all']['front'] and soft['all']['knee'] in soft['all']['front']
+assert [(s['scene'], s['light']['disc_deg']) for s in soft['scenes']] == [(scene, 0), (scene, 3), (other, 0), (other, 3)]
+for one in soft['scenes'][::2]:
+    check_scene(one, [(1, 64), (3, 64)], 1)
+for one in soft['scenes'][1::2]:
+    check_points(one, 1)
+    points, names = one['configurations'], [p['name'] for p in one['configurations']]
+    assert one['error'] == 'rmse' and one['truth']['rays'] == 16 and 0 < one['truth']['noise'] < 0.05
+    assert names[0] == '--config' and len(set(names)) == len(names) and [p['name'] for p in points if p['preset']] == ['low', 'godot']
+    assert {p['filter'] for p in points} == {*FILTERS, 'vssm'}, {p['filter'] for p in points}
+    assert all(shape(p)[:2] == (3, 64) for p in points if not p['preset'])
+assert [(v['disc_deg'], v['scenes']) for v in soft['all']] == [(0, [0, 2]), (3, [1, 3])]
+assert all(v['front'] and v['knee'] in v['front'] for v in soft['all'])
 
 
 # Bad input gets a clear word, and no page.

@@ -129,6 +129,35 @@ static void straight_edge_has_its_penumbra(void **state) {
   scene_free(&s);
 }
 
+/* What a pixel knows of its own rays bounds what they miss: halves of them err the other way, or independently. */
+static void noise_is_bounded(void **state) {
+  (void)state;
+  const float roof[4][3] = {{-20, 10, -20}, {-20, 10, 20}, {0, 10, 20}, {0, 10, -20}};
+  const double disc_deg = 4.0, radius = disc_deg * PI / 360.0;
+  scene s = {0};
+  add_quad(&s, ground, nowhere);
+  add_quad(&s, roof, nowhere);
+  const camera from = look((const double[3]){0, 3, 0.01}, nowhere, 30.0, (double)WIDTH / HEIGHT);
+  for (uint32_t samples = 16; samples <= 1024; samples *= 4) {
+    answer a;
+    ask(&a, &s, &from, &(truth_asked){&(scene_light){.direction = {0, -1, 0}, .disc_deg = disc_deg}, INFINITY, samples},
+        false);
+    double squares = 0.0;
+    for (uint32_t row = 0; row < HEIGHT; row++)
+      for (uint32_t column = 0; column < WIDTH; column++) {
+        double origin[3], direction[3];
+        brute_ray(&a.view, column, row, origin, direction);
+        const double x = origin[0] - origin[1] / direction[1] * direction[0];
+        const double error = a.visibility[pixel_at(column, row)] - disc_share(-atan(x / 10.0) / radius);
+        squares += error * error;
+      }
+    assert_true(squares > 0.0);
+    assert_true(squares <= a.convergence.rms_half * a.convergence.rms_half * (double)a.convergence.pixels);
+    answer_free(&a);
+  }
+  scene_free(&s);
+}
+
 static void sun_is_spread_evenly(void **state) {
   (void)state;
   const scene_light light = {.direction = {0.3, -0.2, 0.9}, .disc_deg = 20.0};
@@ -566,6 +595,7 @@ int main(void) {
       cmocka_unit_test(box_casts_its_shadow),
       cmocka_unit_test(box_casts_its_shadow_far_from_zero),
       cmocka_unit_test(straight_edge_has_its_penumbra),
+      cmocka_unit_test(noise_is_bounded),
       cmocka_unit_test(sun_is_spread_evenly),
       cmocka_unit_test(brute_force_agrees),
       cmocka_unit_test(brute_force_measures_alike),

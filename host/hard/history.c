@@ -1,0 +1,281 @@
+/*
+ * history.c: masks that are accumulated. A still picture gets better, a moving one shows nothing of before: what a frame
+ * alone has around a pixel bounds what its history may say, so a shadow that went leaves nothing behind.
+ */
+#include "base/host.h"
+#include "hard/hard.h"
+#include "metrics/ghosts.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A step of the mask's own 8 bits, and of the halves that a history lies in. */
+static const double rounding = 1.5 / 255.0;
+/* Pixels to either side that bound a pixel's history. */
+enum { AROUND = 1 };
+
+/* Masks with and without a history, of one frame. */
+typedef struct pair {
+  hard_picture mask, alone;
+} pair;
+
+static void pair_free(pair *p) {
+  hard_picture_free(&p->mask);
+  hard_picture_free(&p->alone);
+}
+
+static size_t pixels_of(const hard_run *run) {
+  return (size_t)run->setup->width * run->setup->height;
+}
+
+/* Draws a frame, whose history goes on, and then without. */
+static int draw(hard_run *run, const camera *from, const scene_light *light, pair *out) {
+  const int code = hard_draw(run, from, light, HARD_DEPTH, &out->mask);
+  if (!out->alone.mask)
+    out->alone = (hard_picture){.width = run->setup->width,
+                                .height = run->setup->height,
+                                .mask = host_allocate(pixels_of(run), sizeof(float))};
+  return code ? code : stage_mask_alone(&run->stages[0], from, out->alone.mask);
+}
+
+static double rms(const float *a, const float *b, size_t count) {
+  double sum = 0.0;
+  for (size_t i = 0; i < count; i++)
+    sum += ((double)a[i] - b[i]) * ((double)a[i] - b[i]);
+  return sqrt(sum / (double)count);
+}
+
+/* Pixels that are brighter or darker than all that the frame alone has around them. */
+static uint64_t count_unbounded(const pair *p) {
+  const int width = (int)p->mask.width, height = (int)p->mask.height;
+  uint64_t count = 0;
+  for (int y = 0; y < height; y++)
+    for (int x = 0; x < width; x++) {
+      double least = 1.0, most = 0.0;
+      for (int v = y - AROUND; v <= y + AROUND; v++)
+        for (int u = x - AROUND; u <= x + AROUND; u++) {
+          const int row = v < 0 ? 0 : v < height ? v : height - 1, column = u < 0 ? 0 : u < width ? u : width - 1;
+          const double at = p->alone.mask[row * width + column];
+          least = fmin(least, at);
+          most = fmax(most, at);
+        }
+      const double drawn = p->mask.mask[y * width + x];
+      count += drawn < least - rounding || drawn > most + rounding;
+    }
+  return count;
+}
+
+static uint64_t count_other(const pair *p) {
+  uint64_t count = 0;
+  for (size_t i = 0; i < (size_t)p->mask.width * p->mask.height; i++)
+    count += fabs((double)p->mask.mask[i] - p->alone.mask[i]) > rounding;
+  return count;
+}
+
+static csm_config configured(const hard_run *run, uint32_t filter, uint32_t frames) {
+  csm_config config = run->setup->config;
+  config.filter = filter;
+  config.filter_taps = 8;
+  config.filter_radius_texels = 4.0;
+  config.history = CSM_HISTORY_ON;
+  config.history_frames = frames;
+  return config;
+}
+
+/* ---- a camera that stands ---- */
+
+/*
+ * A pattern of few taps that turns from frame to frame. Eight frames are as many taps as a pattern of eight times as many
+ * has; the deviation of n independent samples falls by sqrt(n), of eight to 0.36: half of the first one's leaves room for
+ * taps that are not.
+ */
+static int stand(hard_run *run) {
+  const size_t count = pixels_of(run);
+  const csm_config config = configured(run, CSM_FILTER_VOGEL, 64);
+  pair frame = {0};
+  float *first = host_allocate(count, sizeof *first), *eighth = host_allocate(count, sizeof *eighth);
+  int code = hard_restart(run, &config);
+  for (uint32_t i = 0; code == 0 && i < 64; i++) {
+    code = hard_draw(run, &run->setup->camera, &run->setup->light, 0, &frame.mask);
+    if (i == 0)
+      memcpy(first, frame.mask.mask, count * sizeof *first);
+    if (i == 7)
+      memcpy(eighth, frame.mask.mask, count * sizeof *eighth);
+  }
+  if (code == 0) {
+    const double alone = rms(first, frame.mask.mask, count);
+    hard_figure_add(run, alone, INFINITY, "1", "deviation of one frame of 8 taps from 64");
+    hard_figure_add(run, rms(eighth, frame.mask.mask, count) / alone, 0.5, "1", "of eight frames, to that of one");
+  }
+  free(first);
+  free(eighth);
+  pair_free(&frame);
+  return code;
+}
+
+/* ---- a camera and a sun that move ---- */
+
+typedef struct motion {
+  const char *name;
+  double walk, turn, sun; /* metres, degrees, degrees, a frame */
+  double jitter;          /* of the projection, in pixels */
+} motion;
+
+static const motion motions[] = {{"nothing that moves", 0.0, 0.0, 0.0, 0.0},
+                                 {"a camera that walks", 0.1, 0.3, 0.0, 0.0},
+                                 {"a sun that moves", 0.0, 0.0, 0.1, 0.0},
+                                 {"both", 0.1, 0.3, 0.1, 0.0},
+                                 {"a jittered projection", 0.0, 0.0, 0.0, 0.5}};
+
+static camera camera_in(const hard_run *run, const motion *how, uint32_t frame) {
+  camera_pose pose = run->setup->scene.camera;
+  camera at;
+  const double angle = how->turn * frame * (3.14159265358979323846 / 180.0);
+  const double way[3] = {pose.target[0] - pose.position[0], pose.target[1] - pose.position[1],
+                         pose.target[2] - pose.position[2]};
+  pose.position[2] -= how->walk * frame;
+  pose.target[0] = pose.position[0] + cos(angle) * way[0] - sin(angle) * way[2];
+  pose.target[1] = pose.position[1] + way[1];
+  pose.target[2] = pose.position[2] + sin(angle) * way[0] + cos(angle) * way[2];
+  camera_from_pose(&at, &pose, (double)run->setup->width / run->setup->height);
+  /* Halves and thirds, as engines do it (Halton) */
+  static const double places[4][2] = {{0.0, -1.0 / 3.0}, {-0.5, 1.0 / 3.0}, {0.5, -7.0 / 9.0}, {-0.75, -1.0 / 9.0}};
+  at.projection[8] += how->jitter * places[frame % 4][0] * 2.0 / run->setup->width;
+  at.projection[9] += how->jitter * places[frame % 4][1] * 2.0 / run->setup->height;
+  return at;
+}
+
+static scene_light light_in(const hard_run *run, const motion *how, uint32_t frame) {
+  scene_light light = run->setup->light;
+  const double angle = how->sun * frame * (3.14159265358979323846 / 180.0);
+  const double x = light.direction[0], z = light.direction[2];
+  light.direction[0] = cos(angle) * x - sin(angle) * z;
+  light.direction[2] = sin(angle) * x + cos(angle) * z;
+  return light;
+}
+
+static int walk(hard_run *run, const motion *how, uint32_t filter, hard_truth *truth) {
+  const csm_config config = configured(run, filter, 8);
+  pair frame = {0};
+  ghosts sum = {0};
+  uint8_t *kinds = host_allocate(pixels_of(run), 1);
+  int code = hard_restart(run, &config);
+  for (uint32_t i = 0; code == 0 && i < (run->sweep ? 60u : 16u); i++) {
+    const camera from = camera_in(run, how, i);
+    const scene_light light = light_in(run, how, i);
+    metrics measured;
+    code = draw(run, &from, &light, &frame);
+    if (code == 0)
+      code = hard_cast(run, &from, &light, truth);
+    const metrics_frame drawn = {.view = &truth->view,
+                                 .light = &light,
+                                 .shadow_distance = run->setup->shadow_distance,
+                                 .visibility = truth->visibility,
+                                 .mask = frame.mask.mask,
+                                 .view_depth = frame.mask.view_depth};
+    if (code == 0)
+      code = metrics_measure(&measured, &drawn, kinds);
+    if (code == 0)
+      ghosts_add(&sum, &drawn, kinds, frame.alone.mask);
+  }
+  /* As the issue has it. */
+  if (code == 0)
+    hard_figure_add(run, 100.0 * (double)sum.wrong / (double)sum.pixels, 0.02, "%", "ghosts, %s, %s", how->name,
+                    filter == CSM_FILTER_VOGEL ? "vogel" : "pcf_3x3");
+  free(kinds);
+  pair_free(&frame);
+  return code;
+}
+
+/* ---- jumps ---- */
+
+static int move_caster(hard_run *run, size_t instance, double aside) {
+  int code = 0;
+  for (uint32_t s = 0; code == 0 && s < run->stage_count; s++) {
+    double matrix[16];
+    memcpy(matrix, run->setup->scene.instances[instance].transform, sizeof matrix);
+    matrix[12] += aside;
+    const csm_scene_batch batch = {
+        .struct_size = sizeof batch, .count = 1, .ids = &run->stages[s].instances[instance], .matrices = matrix};
+    code = csm_scene_move(run->stages[s].scene, &batch) ? HOST_NO_DEVICE : 0;
+  }
+  return code;
+}
+
+/*
+ * A filter without a pattern, so that the frame alone is what the history was bounded by: a caster that jumps aside, or
+ * that is elsewhere in every frame, leaves nothing of its shadow. So no pixel may be beyond what is around it.
+ */
+static int jump(hard_run *run) {
+  const csm_config config = configured(run, CSM_FILTER_PCF_3X3, 64);
+  static const double places[] = {0, 0, 0, 0, 0, 0, 0, 0, 6, 6, 0, 1, 2, 3, 4, 5, -5, -3, -1};
+  pair frame = {0};
+  int code = hard_restart(run, &config);
+  for (size_t i = 0; code == 0 && i < sizeof places / sizeof places[0]; i++) {
+    code = move_caster(run, 1, places[i]);
+    if (code == 0)
+      code = draw(run, &run->setup->camera, &run->setup->light, &frame);
+    if (code == 0)
+      hard_figure_add(run, (double)count_unbounded(&frame), 0.0, "px", "beyond what is around, a caster jumps");
+  }
+  if (code == 0)
+    code = move_caster(run, 1, 0.0);
+  pair_free(&frame);
+  return code;
+}
+
+/* Another place, which shows nothing of what was seen; another size; and other settings: there is no history. */
+static int cut(hard_run *run) {
+  csm_config config = configured(run, CSM_FILTER_PCF_3X3, 64);
+  pair frame = {0};
+  camera_pose pose = run->setup->scene.camera;
+  for (int k = 0; k < 3; k += 2)
+    pose.target[k] = 2.0 * pose.position[k] - pose.target[k];
+  pose.target[1] = -1.0;
+  camera there;
+  camera_from_pose(&there, &pose, (double)run->setup->width / run->setup->height);
+  int code = hard_restart(run, &config);
+  for (int i = 0; code == 0 && i < 4; i++)
+    code = hard_draw(run, &run->setup->camera, &run->setup->light, 0, &frame.mask);
+  if (code == 0)
+    code = draw(run, &there, &run->setup->light, &frame);
+  if (code == 0)
+    hard_figure_add(run, (double)count_other(&frame), 0.0, "px", "other than without history, after a cut");
+  for (int i = 0; code == 0 && i < 4; i++)
+    code = hard_draw(run, &run->setup->camera, &run->setup->light, 0, &frame.mask);
+  config.history_frames = 32;
+  scene_light light = run->setup->light;
+  light.direction[0] = -light.direction[0];
+  if (code == 0)
+    code = hard_configure(run, &config);
+  if (code == 0)
+    code = draw(run, &run->setup->camera, &light, &frame);
+  if (code == 0)
+    hard_figure_add(run, (double)count_other(&frame), 0.0, "px", "other than without history, other settings");
+  pair_free(&frame);
+  return code;
+}
+
+static int run_case(hard_run *run) {
+  host_setup setup;
+  hard_truth truth = {0};
+  hard_setup_begin(&setup, 240, 135);
+  hard_yard(&setup, true);
+  setup.config.resolution = 1024;
+  int code = hard_load(run, &setup);
+  if (code == 0)
+    code = stand(run);
+  for (size_t i = 0; code == 0 && i < 2 * sizeof motions / sizeof motions[0]; i++)
+    code = walk(run, &motions[i / 2], i % 2 ? CSM_FILTER_VOGEL : CSM_FILTER_PCF_3X3, &truth);
+  if (code == 0)
+    code = jump(run);
+  if (code == 0)
+    code = cut(run);
+  hard_truth_free(&truth);
+  hard_unload(run);
+  setup_free(&setup);
+  return code;
+}
+
+const hard_case hard_history = {
+    .name = "history", .about = "accumulated masks: less noise where all stands, and no ghosts where it moves", .run = run_case};
