@@ -14,6 +14,7 @@ typedef struct planned {
   instances list;         /* the frame's own, if it had one */
   const csm_scene *scene; /* NULL: the list */
   bool scene_gone;        /* it was destroyed since */
+  bool others_cast;       /* the engine's callback drew into the maps */
   uint64_t revision;      /* of the scene */
   uint64_t meshes_revision;
   uint32_t instances, changed;

@@ -65,6 +65,7 @@ static csm_result make_plan(csm_cascades *cascades, const frame_input *input, pl
   const instances *store = frame->scene ? &frame->scene->store : &out->list;
   out->scene = frame->scene;
   out->scene_gone = false;
+  out->others_cast = frame->draw != NULL;
   out->revision = store->revision;
   out->meshes_revision = context->assets.meshes.revision;
   out->instances = store->live;
@@ -103,6 +104,17 @@ static csm_result make_plan(csm_cascades *cascades, const frame_input *input, pl
 
 /* ---- the frame ---- */
 
+/* Whose maps come out as they did in the last frame. */
+static uint32_t same_maps(const csm_cascades *cascades, const planned *next, const plan_scene *scene) {
+  const planned *last = cascades_planned(cascades);
+  uint32_t same = 0;
+  if (!cascades->drawn || !next->scene || next->scene != last->scene || next->others_cast || last->others_cast)
+    return 0;
+  for (uint32_t i = 0; i < next->frame.cascade_count; ++i)
+    same |= (uint32_t)plan_cascade_same(&last->frame, &next->frame, i, scene, last->revision) << i;
+  return same;
+}
+
 csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame *in) {
   csm_result result = cascades_usable(cascades);
   if (result)
@@ -125,6 +137,7 @@ csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame 
                        .frame = &input.frame,
                        .timestamps = input.frame.flags & CSM_FRAME_TIMESTAMPS,
                        .cascades = &cascades->techniques,
+                       .same = same_maps(cascades, next, &scene),
                        .scene = &scene};
   technique_times times;
   result = technique_run_record(&run, &times);

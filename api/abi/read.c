@@ -1,6 +1,7 @@
 #include "abi/cascades.h"
 #include "abi/view.h"
 
+#include <math.h>
 #include <string.h>
 
 static bool of_cascades(const csm_read_info *info) {
@@ -40,15 +41,44 @@ static csm_result find_source(csm_context *context, const csm_read_info *info, t
   return result ? host_fail(&context->host, CSM_ERROR_INVALID_STATE, "no mask has been resolved yet") : CSM_SUCCESS;
 }
 
-static float texel(const unsigned char *from, gpu_format format) {
-  uint16_t unorm;
+/* The numbers of a float in 16 bits. */
+static float from_half(uint16_t half) {
+  const int exponent = half >> 10 & 31;
+  const float mantissa = (float)(half & 1023);
+  const float size = exponent == 31  ? (half & 1023 ? NAN : INFINITY)
+                     : exponent == 0 ? ldexpf(mantissa, -24)
+                                     : ldexpf(mantissa + 1024.0f, exponent - 25);
+  return half & 0x8000 ? -size : size;
+}
+
+/* How many numbers a texel has. */
+static uint32_t channels_of(gpu_format format) {
+  switch (format) {
+  case GPU_FORMAT_RG16_FLOAT:
+  case GPU_FORMAT_RG32_FLOAT:
+    return 2;
+  case GPU_FORMAT_RGBA16_FLOAT:
+  case GPU_FORMAT_RGBA32_FLOAT:
+    return 4;
+  default:
+    return 1;
+  }
+}
+
+static float number(const unsigned char *from, gpu_format format) {
+  uint16_t bits;
   float value;
   switch (format) {
   case GPU_FORMAT_R8_UNORM:
     return (float)from[0] / 255.0f;
   case GPU_FORMAT_D16_UNORM:
-    memcpy(&unorm, from, sizeof unorm);
-    return (float)unorm / 65535.0f;
+    memcpy(&bits, from, sizeof bits);
+    return (float)bits / 65535.0f;
+  case GPU_FORMAT_R16_FLOAT:
+  case GPU_FORMAT_RG16_FLOAT:
+  case GPU_FORMAT_RGBA16_FLOAT:
+    memcpy(&bits, from, sizeof bits);
+    return from_half(bits);
   default:
     memcpy(&value, from, sizeof value);
     return value;
@@ -64,18 +94,22 @@ static float converted(const technique_image *from, uint32_t x, uint32_t y, floa
 }
 
 static void unpack(const technique_image *from, const unsigned char *rows, uint32_t row_bytes, float *out) {
-  const uint32_t bytes = gpu_format_bytes(from->format);
+  const uint32_t bytes = gpu_format_bytes(from->format), channels = channels_of(from->format);
   for (uint32_t y = 0; y < from->part.height; ++y) {
     const unsigned char *row = rows + (size_t)(from->part.y + y) * row_bytes + (size_t)from->part.x * bytes;
-    for (uint32_t x = 0; x < from->part.width; ++x)
-      *out++ = converted(from, x, y, texel(row + (size_t)x * bytes, from->format));
+    for (uint32_t x = 0; x < from->part.width * channels; ++x)
+      *out++ = converted(from, x, y, number(row + (size_t)x * (bytes / channels), from->format));
   }
 }
 
+static uint32_t layers_of(const technique_image *from) {
+  return from->layers ? from->layers : 1;
+}
+
 static csm_result copy_out(device *device, const technique_image *from, float *data) {
-  const gpu_region whole = {.layer = from->layer, .width = from->width, .height = from->height};
-  const uint32_t row_bytes = device_row_bytes(whole.width, from->format);
-  const uint64_t size = (uint64_t)row_bytes * whole.height;
+  const uint32_t row_bytes = device_row_bytes(from->width, from->format);
+  const uint64_t layer = (uint64_t)row_bytes * from->height, step = (layer + 511) / 512 * 512;
+  const uint64_t size = step * layers_of(from);
   gpu_buffer *buffer;
   ring_range ring = {0};
   csm_result result = device_buffer(
@@ -86,14 +120,17 @@ static csm_result copy_out(device *device, const technique_image *from, float *d
   if (!result)
     result = recording_begin(device, NULL);
   if (!result) {
-    /* Whole, for Direct3D 12 does not copy parts of depth. */
-    gpu_copy_image(device->gpu, buffer, 0, row_bytes, from->image, &whole);
+    for (uint32_t i = 0; i < layers_of(from); ++i) /* whole, for Direct3D 12 does not copy parts of depth */
+      gpu_copy_image(device->gpu, buffer, i * step, row_bytes, from->image,
+                     &(gpu_region){.layer = from->layer + i, .width = from->width, .height = from->height});
     result = recording_end(device);
   }
   if (!result)
     result = recording_finish(device);
-  if (!result)
-    unpack(from, gpu_buffer_memory(device->gpu, buffer), row_bytes, data);
+  const size_t numbers = (size_t)from->part.width * from->part.height * channels_of(from->format);
+  for (uint32_t i = 0; i < layers_of(from) && !result; ++i)
+    unpack(from, (const unsigned char *)gpu_buffer_memory(device->gpu, buffer) + i * step, row_bytes,
+           data + i * numbers);
   device_buffer_free(device, buffer, size);
   return result;
 }
@@ -114,7 +151,7 @@ csm_result CSM_CALL csm_read(csm_context *context, const csm_read_info *in) {
     result = find_source(context, &info, &from);
   if (result)
     return result;
-  const uint64_t size = (uint64_t)from.part.width * from.part.height * sizeof(float);
+  const uint64_t size = (uint64_t)from.part.width * from.part.height * channels_of(from.format) * layers_of(&from) * sizeof(float);
   if (!info.data)
     return host_fail(host, CSM_ERROR_NULL_POINTER, "csm_read_info: data is NULL");
   if (info.size != size)

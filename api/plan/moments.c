@@ -133,3 +133,16 @@ double plan_moment_spread(const csm_config *config) {
   const double box = radius * (radius + 1.0) / 3.0, bilinear = 0.25, halved = config->moment_halved ? 0.25 : 0.0;
   return (box + bilinear) * texel * texel + halved;
 }
+
+void plan_blur_weights(double *weights, const csm_config *config) {
+  const uint32_t radius = config->moment_blur_texels, count = 2 * radius + 1;
+  const double deviation = radius / 2.0;
+  double sum = 0.0;
+  for (uint32_t i = 0; i < count; ++i) {
+    const double away = radius ? ((double)i - radius) / deviation : 0.0;
+    weights[i] = config->moment_blur == CSM_BLUR_GAUSSIAN ? exp(-0.5 * away * away) : 1.0;
+    sum += weights[i];
+  }
+  for (uint32_t i = 0; i < count; ++i)
+    weights[i] /= sum;
+}

@@ -84,6 +84,8 @@ typedef struct plan_moments {
 
 /* Precondition: plan_has_moments. */
 void plan_moments_make(plan_moments *out, const csm_config *config);
+/* The weights of a separable blur, 2 * moment_blur_texels + 1 of them, whose sum is 1. */
+void plan_blur_weights(double *weights, const csm_config *config);
 
 /* ---- a scene ---- */
 /* Numbers of a transform, and places in the world, may be so large, in metres. */
@@ -378,6 +380,23 @@ bool plan_maps_alike(const csm_config *config);
 bool plan_bias_in_texels(const csm_config *config);
 /* The text of csm_shader_defines: returns its bytes, the final 0 included, and writes no more than `size` of them. */
 size_t plan_shader_defines(const csm_config *config, char *text, size_t size);
+
+/* Texels of a tile's side, and how many tiles a side of so many texels has. */
+enum { PLAN_TILE = 64 };
+uint32_t plan_tiles_across(uint32_t side);
+/*
+ * Notes for each tile of a cascade, row by row, whether what the frame's camera sees may ask for texels of it, 1 or 0: with
+ * caster_set view; else all are 1. `side` is that of the cascade's moments.
+ */
+void plan_seen_tiles(uint8_t *tiles, const plan_frame *frame, const csm_config *config, uint32_t cascade,
+                     uint32_t side);
+/*
+ * Whether a cascade draws what it drew in an earlier frame, and where it did, so that its map comes out as it did then.
+ * Preconditions: both frames are of one scene and one configuration, and no callback drew into either's maps; `revision`
+ * was the scene's then.
+ */
+bool plan_cascade_same(const plan_frame *before, const plan_frame *now, uint32_t cascade, const plan_scene *scene,
+                       uint64_t revision);
 
 /* What csm_draw_info says of a cascade: the world's transform to its clip space, and the planes of what may cast. */
 void plan_cascade_volume(const plan_frame *frame, uint32_t cascade, double world_to_clip[16], double planes[5][4]);

@@ -1,129 +1,39 @@
 #include "techniques/moments/moments.h"
 
-#include "csm_constants.h"
-#include "shader_code.h"
-#include "techniques/inputs.h"
 #include "techniques/maps/maps.h"
+#include "techniques/moments/passes.h"
 
 #include <string.h>
-
-enum { MAX_LAYERS = CSM_MAX_CASCADES * 4, SETTINGS_BLOCK = 1280, LAYER_BLOCK = 256 };
-_Static_assert(sizeof(csm_constants) <= SETTINGS_BLOCK, "SETTINGS_BLOCK");
-
-/* The image that a configuration's moments lie in. */
-typedef struct moment_image {
-  retired retired;
-  gpu_image *image;
-  gpu_target *targets[MAX_LAYERS];
-  plan_moments shape;
-  gpu_format format;
-  uint32_t layers;
-  bool drawn;
-} moment_image;
 
 typedef struct moment_objects {
   device *device; /* NULL: nothing */
   moment_image *image;
-  gpu_program *program;
+  moment_programs programs;
 } moment_objects;
 
 typedef struct moments_state {
   moment_objects now, fresh;
-  inputs inputs;
+  inputs inputs[MOMENT_STEPS];
   double gpu_ms;
-  /* of the recording on its way */
-  ring_range ring;
-  input *input;
+  moment_work work; /* of the recording on its way */
 } moments_state;
 
-/* ---- images ---- */
-
-static void image_free(device *device, retired *self) {
-  moment_image *image = (moment_image *)self;
-  for (uint32_t i = 0; i < image->layers; ++i)
-    gpu_target_destroy(device->gpu, image->targets[i]);
-  device_image_free(device, image->image);
-  host_release(device->host, image);
-}
-
-static gpu_format format_of(const plan_moments *shape, const csm_config *config) {
-  static const gpu_format formats[2][3] = {
-      {GPU_FORMAT_R32_FLOAT, GPU_FORMAT_RG32_FLOAT, GPU_FORMAT_RGBA32_FLOAT},
-      {GPU_FORMAT_R16_FLOAT, GPU_FORMAT_RG16_FLOAT, GPU_FORMAT_RGBA16_FLOAT},
-  };
-  return formats[config->moment_format == CSM_MOMENTS_FLOAT16][shape->channels / 2];
-}
-
-static csm_result image_create(device *device, const plan_moments *shape, const csm_config *config,
-                               moment_image **out) {
-  moment_image *image = host_allocate(device->host, sizeof *image);
-  if (!image)
-    return CSM_ERROR_OUT_OF_MEMORY;
-  image->shape = *shape;
-  image->format = format_of(shape, config);
-  const gpu_image_info info = {
-      .name = "moments",
-      .format = image->format,
-      .usage = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED | GPU_IMAGE_COPY_SOURCE,
-      .width = shape->side,
-      .height = shape->side,
-      .layers = config->cascade_count * shape->depth_layers,
-      .array = true,
-  };
-  csm_result result = device_image(device, &info, &image->image);
-  for (uint32_t i = 0; i < info.layers && !result; ++i) {
-    const gpu_target_info target = {.name = "moments", .color = image->image, .color_layer = i};
-    result = device_check(device, gpu_target_create(device->gpu, &target, &image->targets[i]), "moments");
-    image->layers += !result;
-  }
-  if (result) {
-    image_free(device, &image->retired);
-    return result;
-  }
-  *out = image;
-  return CSM_SUCCESS;
-}
-
-/* ---- programs ---- */
-
-typedef struct program_about {
-  uint64_t filter, format;
-} program_about;
-
-static csm_result make_program(gpu gpu, const void *about, gpu_program **out) {
-  const program_about *of = about;
-  const gpu_program_info info = {
-      .name = "moments",
-      .vertex = shader_screen_vs,
-      .pixel = *shader_find(shader_key_moments((int32_t)of->filter)),
-      .constants_count = 2,
-      .constants_sizes = {SETTINGS_BLOCK, LAYER_BLOCK},
-      .texture_count = 1,
-      .color_format = (gpu_format)of->format,
-      .cull = GPU_CULL_NONE,
-  };
-  return gpu_program_create(gpu, &info, out);
-}
-
-static csm_result find_program(device *device, const csm_config *config, gpu_format format, gpu_program **out) {
-  const program_about about = {.filter = config->filter == CSM_FILTER_VSSM ? CSM_FILTER_VSM : config->filter,
-                               .format = format};
-  const program_key key = {
-      .make = make_program, .name = "a program for moments", .about = &about, .size = sizeof about};
-  return programs_find(device, &key, out);
-}
-
 /* ---- settings and devices ---- */
+
+static bool wanted(const csm_config *config) {
+  return plan_has_moments(config);
+}
 
 static csm_result make(void *self, device *device, const csm_config *config) {
   moments_state *state = self;
   moment_objects made = {.device = device};
-  plan_moments shape;
-  plan_moments_make(&shape, config);
-  csm_result result = find_program(device, config, format_of(&shape, config), &made.program);
-  if (!result)
-    result = image_create(device, &shape, config, &made.image);
-  if (!result)
+  csm_result result = moment_image_create(device, config, &made.image);
+  if (result)
+    return result;
+  result = moment_programs_find(device, config, &made.programs);
+  if (result)
+    moment_image_free(device, &made.image->retired);
+  else
     state->fresh = made;
   return result;
 }
@@ -134,8 +44,9 @@ static void drop(void *self, device *device) {
   state->gpu_ms = -1;
   if (!state->now.device)
     return;
-  inputs_drop(&state->inputs, device);
-  retire(device, &state->now.image->retired, image_free);
+  for (uint32_t i = 0; i < MOMENT_STEPS; ++i)
+    inputs_drop(&state->inputs[i], device);
+  retire(device, &state->now.image->retired, moment_image_free);
   state->now = (moment_objects){0};
 }
 
@@ -152,37 +63,43 @@ static void forget(void *self, device *device) {
   moments_state *state = self;
   if (!state->fresh.device)
     return;
-  image_free(device, &state->fresh.image->retired);
+  moment_image_free(device, &state->fresh.image->retired);
   state->fresh = (moment_objects){0};
 }
 
 /* ---- a frame ---- */
 
 static uint64_t size(const void *self, const technique_run *run) {
-  const moments_state *state = self;
   (void)run;
-  return SETTINGS_BLOCK + (uint64_t)state->now.image->layers * LAYER_BLOCK;
+  return moment_work_size(((const moments_state *)self)->now.image);
 }
 
 static csm_result reserve(void *self, technique_run *run, const ring_range *ring) {
   moments_state *state = self;
-  state->ring = *ring;
-  const gpu_bindings_info reads = {.name = "moments",
-                                   .program = state->now.program,
-                                   .constants = {ring->buffer, ring->buffer},
-                                   .textures = {maps_image(run->cascades)}};
-  return inputs_find(&state->inputs, run->device, &reads, &state->input);
+  state->work = (moment_work){.ring = *ring};
+  return moment_work_reserve(&state->work, state->inputs, run->device, state->now.image, &state->now.programs,
+                             maps_image(run->cascades));
+}
+
+/* Tiles that the frame's camera sees, and that do not hold yet what their map is going to hold. */
+static void find_due(const moment_image *image, const technique_run *run) {
+  for (uint32_t i = 0; i < image->cascades; ++i) {
+    const size_t count = (size_t)image->across[i] * image->across[i];
+    if (!(run->same >> i & 1))
+      memset(image->valid[i], 0, count);
+    if (run->plan->unshadowed)
+      memset(image->due[i], 0, count);
+    else
+      plan_seen_tiles(image->due[i], run->plan, run->config, i, image->shape.sides[i]);
+    for (size_t k = 0; k < count; ++k)
+      image->due[i][k] &= !image->valid[i][k];
+  }
 }
 
 static void write(void *self, const technique_run *run) {
-  const moments_state *state = self;
-  const moment_image *image = state->now.image;
-  char *blocks = state->ring.memory;
-  memcpy(blocks, run->constants, run->constants_size);
-  for (uint32_t i = 0; i < image->layers; ++i) {
-    const float layer[4] = {(float)(i / image->shape.depth_layers), (float)(i % image->shape.depth_layers)};
-    memcpy(blocks + SETTINGS_BLOCK + i * LAYER_BLOCK, layer, sizeof layer);
-  }
+  moments_state *state = self;
+  find_due(state->now.image, run);
+  moment_work_write(&state->work, state->now.image, run->config, run->constants, run->constants_size);
 }
 
 static void take_timing(void *self, const uint64_t *stamps, uint32_t count) {
@@ -195,36 +112,26 @@ static void record(void *self, const technique_run *run) {
   moments_state *state = self;
   const gpu gpu = run->device->gpu;
   moment_image *image = state->now.image;
-  gpu_bindings *bindings = inputs_use(state->input, run->device);
   const timing_sink sink = {.take = take_timing, .user = state};
-  const uint32_t settings = (uint32_t)state->ring.offset;
   uint32_t first = 0;
   const bool timed = run->timestamps && recording_expect_timing(run->device, &sink, 2, &first);
   if (timed)
     gpu_timestamp(gpu, first);
   gpu_marker_begin(gpu, "moments");
-  for (uint32_t i = 0; i < image->layers; ++i) {
-    const uint32_t side = image->shape.sides[i / image->shape.depth_layers];
-    gpu_pass_begin(gpu, &(gpu_pass_info){.target = image->targets[i],
-                                         .color_load = GPU_LOAD_DISCARD,
-                                         .area = {.width = side, .height = side}});
-    gpu_pass_program(gpu, state->now.program);
-    gpu_pass_bind(gpu, bindings, (const uint32_t[]){settings, settings + SETTINGS_BLOCK + i * LAYER_BLOCK});
-    gpu_pass_draw(gpu, &(gpu_draw){.count = 3, .instance_count = 1});
-    gpu_pass_end(gpu);
-  }
+  if (!image->begun)
+    moment_image_clear(gpu, image);
+  image->begun = true;
+  moment_work_record(&state->work, image, &state->now.programs, run->device);
   gpu_make_readable(gpu, image->image, NULL);
   gpu_marker_end(gpu);
   if (timed)
     gpu_timestamp(gpu, first + 1);
-  image->drawn = true;
+  for (uint32_t i = 0; i < image->cascades; ++i)
+    for (size_t k = 0; k < (size_t)image->across[i] * image->across[i]; ++k)
+      image->valid[i][k] |= image->due[i][k];
 }
 
 /* ---- what came of it ---- */
-
-static bool wanted(const csm_config *config) {
-  return plan_has_moments(config);
-}
 
 static void bind(const void *self, device *device, csm_binding *binding) {
   const moments_state *state = self;
@@ -241,7 +148,25 @@ static void bind(const void *self, device *device, csm_binding *binding) {
 static void tell(const void *self, const device *device, csm_stats *stats) {
   const moments_state *state = self;
   stats->moments_gpu_ms = state->now.device ? state->gpu_ms : -1;
-  stats->moment_bytes = state->now.device ? gpu_image_bytes(device->gpu, state->now.image->image) : 0;
+  stats->moment_bytes = state->now.device ? moment_image_bytes(device, state->now.image) : 0;
+}
+
+static csm_result find(const void *self, uint32_t source, uint32_t cascade, technique_image *out) {
+  const moments_state *state = self;
+  if (source != CSM_READ_MOMENTS || !state->now.device)
+    return CSM_ERROR_UNSUPPORTED;
+  const moment_image *image = state->now.image;
+  if (!image->begun)
+    return CSM_ERROR_INVALID_STATE;
+  const uint32_t side = image->shape.sides[cascade];
+  *out = (technique_image){.image = image->image,
+                           .format = image->format,
+                           .width = image->shape.side,
+                           .height = image->shape.side,
+                           .layer = cascade * image->shape.depth_layers,
+                           .layers = image->shape.depth_layers,
+                           .part = {.width = side, .height = side}};
+  return CSM_SUCCESS;
 }
 
 gpu_image *moments_image(const technique_set *cascades, const csm_config *config) {
@@ -263,4 +188,5 @@ const technique technique_moments = {
     .record = record,
     .bind = bind,
     .tell = tell,
+    .find = find,
 };

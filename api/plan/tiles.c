@@ -1,0 +1,67 @@
+/* tiles.c: which parts of the cascades' maps a frame's camera looks at, and which cascades hold what they held before. */
+#include "plan/internal.h"
+
+#include <math.h>
+#include <string.h>
+
+uint32_t plan_tiles_across(uint32_t side) {
+  return (side + PLAN_TILE - 1) / PLAN_TILE;
+}
+
+/* Where a cascade's map lies in light space, as its texels count: `low` and `high` of its columns or rows from `first` to
+   `last`, of so many. */
+static void texels_to_light(double *low, double *high, const plan_cascade *cascade, int axis, const double texels[2],
+                            double side) {
+  const double scale = cascade->to_clip[axis * 5], offset = cascade->to_clip[axis * 4 + 3];
+  double at[2];
+  for (int i = 0; i < 2; ++i) {
+    const double share = 2.0 * texels[i] / side - 1.0; /* rows count down from clip y = 1 */
+    at[i] = ((axis ? -share : share) - offset) / scale;
+  }
+  *low = fmin(at[0], at[1]);
+  *high = fmax(at[0], at[1]);
+}
+
+static bool outside(const plan_hull *hull, const double low[2], const double high[2]) {
+  bool outside = false;
+  for (uint32_t i = 0; i < hull->count; ++i) {
+    const double *normal = hull->normals[i];
+    const double x = normal[0] > 0.0 ? low[0] : high[0], y = normal[1] > 0.0 ? low[1] : high[1];
+    outside |= normal[0] * x + normal[1] * y > hull->offsets[i];
+  }
+  return outside;
+}
+
+void plan_seen_tiles(uint8_t *tiles, const plan_frame *frame, const csm_config *config, uint32_t cascade,
+                     uint32_t side) {
+  const plan_cascade *of = &frame->cascades[cascade];
+  const uint32_t across = plan_tiles_across(side);
+  const double room = fmax(of->texel[0], of->texel[1]) * plan_padding_texels(config);
+  plan_hull hull = {0};
+  if (config->caster_set == CSM_CASTER_SET_VIEW)
+    plan_view_hull(&hull, &frame->camera, frame->basis, frame->cascades[frame->cascade_count - 1].info.far_depth, room);
+  for (uint32_t y = 0; y < across; ++y)
+    for (uint32_t x = 0; x < across; ++x) {
+      const double columns[2] = {x * (double)PLAN_TILE, (x + 1) * (double)PLAN_TILE};
+      const double rows[2] = {y * (double)PLAN_TILE, (y + 1) * (double)PLAN_TILE};
+      double low[2], high[2];
+      texels_to_light(&low[0], &high[0], of, 0, columns, side);
+      texels_to_light(&low[1], &high[1], of, 1, rows, side);
+      tiles[y * across + x] = !outside(&hull, low, high);
+    }
+}
+
+bool plan_cascade_same(const plan_frame *before, const plan_frame *now, uint32_t cascade, const plan_scene *scene,
+                       uint64_t revision) {
+  const plan_cascade *a = &before->cascades[cascade], *b = &now->cascades[cascade];
+  if (before->unshadowed || now->unshadowed || cascade >= before->cascade_count ||
+      a->list.instance_count != b->list.instance_count || a->list.draw_count != b->list.draw_count ||
+      memcmp(before->basis, now->basis, sizeof now->basis) != 0 || memcmp(a->to_clip, b->to_clip, sizeof a->to_clip) != 0)
+    return false;
+  for (uint32_t i = 0; i < b->list.instance_count; ++i) {
+    const uint32_t slot = b->list.instances[i];
+    if (a->list.instances[i] != slot || scene->revisions[slot] > revision)
+      return false;
+  }
+  return true;
+}
