@@ -24,13 +24,13 @@ typedef struct settings {
 
 static csm_config make_config(const host_setup *setup, const settings *s) {
   csm_config config = setup->config;
-  config.resolution = 512;
+  config.resolution = 320;
   config.filter = s->filter;
   config.moment_layers = s->layers;
   config.moment_format = s->moments;
   config.moment_blur_texels = s->blur;
   config.map_format = s->map;
-  config.soft_radius_max_texels = 2.0;
+  config.soft_radius_max_texels = 1.0;
   if (s->filter == CSM_FILTER_VSSM)
     config.moment_levels = 4;
   return config;
@@ -86,7 +86,7 @@ static verdict judge(const hard_run *run, const moment_scene *scene, const pictu
 static void add_figures(hard_run *run, const moment_scene *scene, const pictures *drawn) {
   const csm_config *config = &scene->config;
   const bool soft = config->filter == CSM_FILTER_VSSM;
-  const double texels = config->moment_blur_texels + 2.0 + (soft ? 4.0 * config->soft_radius_max_texels : 0.0);
+  const double texels = config->moment_blur_texels + 2.0 + (soft ? 2.0 * config->soft_radius_max_texels : 0.0);
   const verdict v = judge(run, scene, drawn, texels * scene->binding.cascades[0].texel_size);
   char name[64];
   moment_scene_name(config, name, sizeof name);

@@ -276,6 +276,30 @@ static double least_variance(const moment_scene *scene, uint32_t pair, double me
   return deviation * deviation;
 }
 
+/* An exponential may be off by 3 + 2 |c z| of its last places, and its square by twice that. */
+static double exponential_error(const moment_scene *scene, uint32_t moment) {
+  const double c = scene->model.exponents[moment / 2];
+  return is_warped(&scene->config) ? (3.0 + 2.0 * c) * 0x1p-23 * (moment % 2 ? 2.0 : 1.0) : 0.0;
+}
+
+/* The most that a moment is off what it should be, of what rounding may do to it: of one layer, here and there. */
+static double worst_moment(const moment_scene *scene) {
+  const layer whole = {.begin = -1.0, .scale = 1.0};
+  double worst = 0.0;
+  for (uint32_t y = 3; y < scene->side; y += 13)
+    for (uint32_t x = 3; x < scene->side; x += 11) {
+      const float *at = &scene->moments[((size_t)y * scene->side + x) * scene->channels];
+      double moments[MOMENT_CHANNELS];
+      find_moments(scene, (const double[2]){x + 0.5, y + 0.5}, &whole, moments);
+      for (uint32_t k = 0; k < scene->channels; k++) {
+        const double size = is_warped(&scene->config) ? fabs(moments[k]) : 1.0;
+        const double most = (moment_error(&scene->config, k) + exponential_error(scene, k)) * size;
+        worst = fmax(worst, fabs(at[k] - moments[k]) / most);
+      }
+    }
+  return worst;
+}
+
 void moment_scene_add_numbers(hard_run *run, const moment_scene *scene, const char *name) {
   const size_t texels = (size_t)scene->moment_side * scene->moment_side * scene->layers;
   const uint32_t pairs = scene->config.filter == CSM_FILTER_EVSM4 ? 2 : scene->channels > 1 ? 1 : 0;
@@ -291,6 +315,8 @@ void moment_scene_add_numbers(hard_run *run, const moment_scene *scene, const ch
     }
   }
   hard_figure_add(run, (double)odd, 0.0, "1", "moments that are no number, %s", name);
+  if (scene->layers == 1 && scene->moment_side == scene->side)
+    hard_figure_add(run, worst_moment(scene), 1.0, "1", "a moment off, of what rounding may do, %s", name);
   /* The least variance is what rounding may cost, and more. */
   if (pairs)
     hard_figure_add(run, -lowest, 1.0, "1", "variance below 0, of the least variance, %s", name);
