@@ -21,8 +21,10 @@ SamplerState csm_point : register(s0);
 
 static history_inputs inputs;
 
-#define HISTORY_REACH 0.75
-#define HISTORY_STALE 4.0
+// How far from the mean of what is around it a history may be, in deviations of a pixel's noise, of which the mean has 3 / 8:
+// the weights' squares add up to 9 / 64. And what share of its frames it loses for each unit that it was farther off.
+#define HISTORY_REACH 0.3
+#define HISTORY_STALE 8.0
 
 float place_row(float4 row, float2 place, float depth)
 {
@@ -162,8 +164,7 @@ struct range
 };
 
 // Visibility around a pixel, of 3 x 3 pixels that count 1, 2 and 1 along each axis, is taken for a plane and noise. A
-// history that is right lies within twice the deviation of that plane's middle, or at least between it and what this frame
-// has; what is around bounds both. An edge that moves is no noise, and leaves no room for what was there before.
+// history that is right lies about that plane's middle, or between it and what this frame has; what is around bounds both. An edge that moves is no noise, and leaves no room for what was there before.
 range range_at(float2 place, float visibility)
 {
     float4 size = inputs.size;
@@ -182,7 +183,6 @@ range range_at(float2 place, float visibility)
     float down = ((c.x + c.y + (d.x + d.y)) - (a.z + a.w + (b.z + b.w))) * 0.0625;
     float noise = mad(-mean, mean, square);
     noise = mad(right * right, -2.0, mad(down * down, -2.0, noise));
-    // The weights' squares add up to 9 / 64, so a mean's deviation is 3 / 8 of a pixel's
     float reach = mad(sqrt(max(noise, 0.0)), HISTORY_REACH, 1.0 / 255.0);
     float4 least = min(min(a, b), min(c, d)), most = max(max(a, b), max(c, d));
     range r;

@@ -107,8 +107,8 @@ uint32_t plan_write_history_constants(float *out, const plan_frame *frame, const
   put_normals(out, frame, now, picture);
   put_row(out, CSM_H_SIZE, (const double[4]){width, height, 1.0 / width, 1.0 / height});
   put_row(out, CSM_H_LIMITS,
-          (const double[4]){(linear ? 0.0 : config->history_depth) + SPAN_SHARE, more + SPAN_STEP,
-                            cos(angle * radians), config->history_frames});
+          (const double[4]){(linear ? 0.0 : config->history_depth) + SPAN_SHARE, more + SPAN_STEP, cos(angle * radians),
+                            config->history_frames});
   put_row(out, CSM_H_CLEAR,
           (const double[4]){plan_clear_depth(&now->camera), picture->show == CSM_SHOW_HISTORY, 0.0, 0.0});
   return CSM_H_COUNT * 4 * sizeof(float);

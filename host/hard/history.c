@@ -14,9 +14,10 @@ static const double rounding = 1.5 / 255.0;
 /* Pixels to either side that bound a pixel's history. */
 enum { AROUND = 1 };
 
-/* Masks with and without a history, of one frame. */
+/* Masks with and without a history, of one frame; and how many the view has had, which says how its patterns lie. */
 typedef struct pair {
   hard_picture mask, alone;
+  uint32_t frames;
 } pair;
 
 static void pair_free(pair *p) {
@@ -28,14 +29,19 @@ static size_t pixels_of(const hard_run *run) {
   return (size_t)run->setup->width * run->setup->height;
 }
 
-/* Draws a frame, whose history goes on, and then without. */
+/* Draws a frame, whose history goes on. */
 static int draw(hard_run *run, const camera *from, const scene_light *light, pair *out) {
-  const int code = hard_draw(run, from, light, HARD_DEPTH, &out->mask);
+  out->frames++;
+  return hard_draw(run, from, light, HARD_DEPTH, &out->mask);
+}
+
+/* And the same without. */
+static int draw_both(hard_run *run, const camera *from, const scene_light *light, pair *out) {
+  const int code = draw(run, from, light, out);
   if (!out->alone.mask)
-    out->alone = (hard_picture){.width = run->setup->width,
-                                .height = run->setup->height,
-                                .mask = host_allocate(pixels_of(run), sizeof(float))};
-  return code ? code : stage_mask_alone(&run->stages[0], from, out->alone.mask);
+    out->alone = (hard_picture){
+        .width = run->setup->width, .height = run->setup->height, .mask = host_allocate(pixels_of(run), sizeof(float))};
+  return code ? code : stage_mask_alone(&run->stages[0], from, (out->frames - 1) % 64, out->alone.mask);
 }
 
 static double rms(const float *a, const float *b, size_t count) {
@@ -89,27 +95,25 @@ static csm_config configured(const hard_run *run, uint32_t filter, uint32_t fram
  * has; the deviation of n independent samples falls by sqrt(n), of eight to 0.36: half of the first one's leaves room for
  * taps that are not.
  */
-static int stand(hard_run *run) {
+static int stand(hard_run *run, pair *frame) {
   const size_t count = pixels_of(run);
   const csm_config config = configured(run, CSM_FILTER_VOGEL, 64);
-  pair frame = {0};
   float *first = host_allocate(count, sizeof *first), *eighth = host_allocate(count, sizeof *eighth);
   int code = hard_restart(run, &config);
   for (uint32_t i = 0; code == 0 && i < 64; i++) {
-    code = hard_draw(run, &run->setup->camera, &run->setup->light, 0, &frame.mask);
+    code = draw(run, &run->setup->camera, &run->setup->light, frame);
     if (i == 0)
-      memcpy(first, frame.mask.mask, count * sizeof *first);
+      memcpy(first, frame->mask.mask, count * sizeof *first);
     if (i == 7)
-      memcpy(eighth, frame.mask.mask, count * sizeof *eighth);
+      memcpy(eighth, frame->mask.mask, count * sizeof *eighth);
   }
   if (code == 0) {
-    const double alone = rms(first, frame.mask.mask, count);
+    const double alone = rms(first, frame->mask.mask, count);
     hard_figure_add(run, alone, INFINITY, "1", "deviation of one frame of 8 taps from 64");
-    hard_figure_add(run, rms(eighth, frame.mask.mask, count) / alone, 0.5, "1", "of eight frames, to that of one");
+    hard_figure_add(run, rms(eighth, frame->mask.mask, count) / alone, 0.5, "1", "of eight frames, to that of one");
   }
   free(first);
   free(eighth);
-  pair_free(&frame);
   return code;
 }
 
@@ -154,36 +158,36 @@ static scene_light light_in(const hard_run *run, const motion *how, uint32_t fra
   return light;
 }
 
-static int walk(hard_run *run, const motion *how, uint32_t filter, hard_truth *truth) {
+static int walk(hard_run *run, const motion *how, uint32_t filter, pair *frame) {
   const csm_config config = configured(run, filter, 8);
-  pair frame = {0};
   ghosts sum = {0};
+  hard_truth truth = {0};
   uint8_t *kinds = host_allocate(pixels_of(run), 1);
   int code = hard_restart(run, &config);
   for (uint32_t i = 0; code == 0 && i < (run->sweep ? 60u : 16u); i++) {
     const camera from = camera_in(run, how, i);
     const scene_light light = light_in(run, how, i);
     metrics measured;
-    code = draw(run, &from, &light, &frame);
+    code = draw_both(run, &from, &light, frame);
     if (code == 0)
-      code = hard_cast(run, &from, &light, truth);
-    const metrics_frame drawn = {.view = &truth->view,
+      code = hard_cast(run, &from, &light, &truth);
+    const metrics_frame drawn = {.view = &truth.view,
                                  .light = &light,
                                  .shadow_distance = run->setup->shadow_distance,
-                                 .visibility = truth->visibility,
-                                 .mask = frame.mask.mask,
-                                 .view_depth = frame.mask.view_depth};
+                                 .visibility = truth.visibility,
+                                 .mask = frame->mask.mask,
+                                 .view_depth = frame->mask.view_depth};
     if (code == 0)
       code = metrics_measure(&measured, &drawn, kinds);
     if (code == 0)
-      ghosts_add(&sum, &drawn, kinds, frame.alone.mask);
+      ghosts_add(&sum, &drawn, kinds, frame->alone.mask);
   }
   /* As the issue has it. */
   if (code == 0)
     hard_figure_add(run, 100.0 * (double)sum.wrong / (double)sum.pixels, 0.02, "%", "ghosts, %s, %s", how->name,
                     filter == CSM_FILTER_VOGEL ? "vogel" : "pcf_3x3");
   free(kinds);
-  pair_free(&frame);
+  hard_truth_free(&truth);
   return code;
 }
 
@@ -206,28 +210,25 @@ static int move_caster(hard_run *run, size_t instance, double aside) {
  * A filter without a pattern, so that the frame alone is what the history was bounded by: a caster that jumps aside, or
  * that is elsewhere in every frame, leaves nothing of its shadow. So no pixel may be beyond what is around it.
  */
-static int jump(hard_run *run) {
+static int jump(hard_run *run, pair *frame) {
   const csm_config config = configured(run, CSM_FILTER_PCF_3X3, 64);
   static const double places[] = {0, 0, 0, 0, 0, 0, 0, 0, 6, 6, 0, 1, 2, 3, 4, 5, -5, -3, -1};
-  pair frame = {0};
   int code = hard_restart(run, &config);
   for (size_t i = 0; code == 0 && i < sizeof places / sizeof places[0]; i++) {
     code = move_caster(run, 1, places[i]);
     if (code == 0)
-      code = draw(run, &run->setup->camera, &run->setup->light, &frame);
+      code = draw_both(run, &run->setup->camera, &run->setup->light, frame);
     if (code == 0)
-      hard_figure_add(run, (double)count_unbounded(&frame), 0.0, "px", "beyond what is around, a caster jumps");
+      hard_figure_add(run, (double)count_unbounded(frame), 0.0, "px", "beyond what is around, a caster jumps");
   }
   if (code == 0)
     code = move_caster(run, 1, 0.0);
-  pair_free(&frame);
   return code;
 }
 
 /* Another place, which shows nothing of what was seen; another size; and other settings: there is no history. */
-static int cut(hard_run *run) {
+static int cut(hard_run *run, pair *frame) {
   csm_config config = configured(run, CSM_FILTER_PCF_3X3, 64);
-  pair frame = {0};
   camera_pose pose = run->setup->scene.camera;
   for (int k = 0; k < 3; k += 2)
     pose.target[k] = 2.0 * pose.position[k] - pose.target[k];
@@ -236,46 +237,46 @@ static int cut(hard_run *run) {
   camera_from_pose(&there, &pose, (double)run->setup->width / run->setup->height);
   int code = hard_restart(run, &config);
   for (int i = 0; code == 0 && i < 4; i++)
-    code = hard_draw(run, &run->setup->camera, &run->setup->light, 0, &frame.mask);
+    code = draw(run, &run->setup->camera, &run->setup->light, frame);
   if (code == 0)
-    code = draw(run, &there, &run->setup->light, &frame);
+    code = draw_both(run, &there, &run->setup->light, frame);
   if (code == 0)
-    hard_figure_add(run, (double)count_other(&frame), 0.0, "px", "other than without history, after a cut");
+    hard_figure_add(run, (double)count_other(frame), 0.0, "px", "other than without history, after a cut");
   for (int i = 0; code == 0 && i < 4; i++)
-    code = hard_draw(run, &run->setup->camera, &run->setup->light, 0, &frame.mask);
+    code = draw(run, &run->setup->camera, &run->setup->light, frame);
   config.history_frames = 32;
   scene_light light = run->setup->light;
   light.direction[0] = -light.direction[0];
   if (code == 0)
     code = hard_configure(run, &config);
   if (code == 0)
-    code = draw(run, &run->setup->camera, &light, &frame);
+    code = draw_both(run, &run->setup->camera, &light, frame);
   if (code == 0)
-    hard_figure_add(run, (double)count_other(&frame), 0.0, "px", "other than without history, other settings");
-  pair_free(&frame);
+    hard_figure_add(run, (double)count_other(frame), 0.0, "px", "other than without history, other settings");
   return code;
 }
 
 static int run_case(hard_run *run) {
   host_setup setup;
-  hard_truth truth = {0};
+  pair frame = {0};
   hard_setup_begin(&setup, 240, 135);
   hard_yard(&setup, true);
   setup.config.resolution = 1024;
   int code = hard_load(run, &setup);
   if (code == 0)
-    code = stand(run);
+    code = stand(run, &frame);
   for (size_t i = 0; code == 0 && i < 2 * sizeof motions / sizeof motions[0]; i++)
-    code = walk(run, &motions[i / 2], i % 2 ? CSM_FILTER_VOGEL : CSM_FILTER_PCF_3X3, &truth);
+    code = walk(run, &motions[i / 2], i % 2 ? CSM_FILTER_VOGEL : CSM_FILTER_PCF_3X3, &frame);
   if (code == 0)
-    code = jump(run);
+    code = jump(run, &frame);
   if (code == 0)
-    code = cut(run);
-  hard_truth_free(&truth);
+    code = cut(run, &frame);
+  pair_free(&frame);
   hard_unload(run);
   setup_free(&setup);
   return code;
 }
 
-const hard_case hard_history = {
-    .name = "history", .about = "accumulated masks: less noise where all stands, and no ghosts where it moves", .run = run_case};
+const hard_case hard_history = {.name = "history",
+                                .about = "accumulated masks: less noise where all stands, and no ghosts where it moves",
+                                .run = run_case};

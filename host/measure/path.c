@@ -180,7 +180,7 @@ static int cast_pair(walk *w, uint32_t index, const path_frame *before) {
 /* This frame's maps, asked at the very points that the frame before saw. */
 static int compare_with(walk *w, uint32_t index, uint32_t b, const path_frame *before) {
   stage *on = &w->stages[b];
-  int code = keeps_history(w) ? stage_mask_alone(on, before->view.camera, w->later_mask)
+  int code = keeps_history(w) ? stage_mask_alone(on, before->view.camera, index - 1, w->later_mask)
                               : stage_mask(on, before->view.camera, w->later_mask, NULL, NULL);
   if (code == 0)
     code = stage_cascades(on, before->view.camera, w->later_cascades);
@@ -207,7 +207,7 @@ static int compare_with(walk *w, uint32_t index, uint32_t b, const path_frame *b
 /* What the history made of a frame that is drawn and measured. */
 static int add_ghosts(walk *w, uint32_t index, uint32_t b, const path_frame *frame, const metrics_frame *drawn) {
   ghosts *sums[] = {&w->results[b].histories[index], &w->results[b].ghosts};
-  const int code = stage_mask_alone(&w->stages[b], frame->view.camera, frame->alone[b]);
+  const int code = stage_mask_alone(&w->stages[b], frame->view.camera, index, frame->alone[b]);
   for (int i = 0; code == 0 && i < 2; i++)
     ghosts_add(sums[i], drawn, frame->kinds[b], frame->alone[b]);
   return code;
@@ -253,9 +253,9 @@ int measure_path_run(path_result *results, const measure_path *path, truth_store
   int code = 0;
   allocate_frames(&w);
   for (uint32_t b = 0; b < count; b++)
-    results[b] = (path_result){
-        .frames = host_allocate(path->count, sizeof *results[b].frames),
-        .histories = keeps_history(&w) ? host_allocate(path->count, sizeof *results[b].histories) : NULL};
+    results[b] =
+        (path_result){.frames = host_allocate(path->count, sizeof *results[b].frames),
+                      .histories = keeps_history(&w) ? host_allocate(path->count, sizeof *results[b].histories) : NULL};
   for (uint32_t index = 0; code == 0 && index < path->count; index++)
     code = walk_frame(&w, index);
   for (uint32_t b = 0; code == 0 && b < count; b++)

@@ -6,7 +6,8 @@ void ghosts_add(ghosts *sum, const metrics_frame *frame, const uint8_t *kinds, c
   for (size_t i = 0; i < count; i++) {
     if (kinds[i] < METRICS_RIGHT)
       continue;
-    const double truly = frame->visibility[i], wrong = fabs(frame->mask[i] - truly), wrong_alone = fabs(alone[i] - truly);
+    const double truly = frame->visibility[i], wrong = fabs(frame->mask[i] - truly),
+                 wrong_alone = fabs(alone[i] - truly);
     sum->pixels++;
     sum->wrong += wrong > 0.5 && wrong_alone <= 0.5;
     sum->squares += wrong_alone * wrong_alone;

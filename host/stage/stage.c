@@ -191,18 +191,19 @@ int stage_render(stage *s) {
   return exit_code(result);
 }
 
-static csm_result resolve_on(stage *s, csm_view *view, uint32_t show) {
+/* A mask of a single pixel is a frame of a view as any other. */
+static csm_result resolve_on(stage *s, csm_view *view, uint32_t show, bool pixel) {
   const csm_mask_info info = {.struct_size = sizeof info,
                               .flags = s->frame.flags,
                               .frame = &s->frame,
-                              .width = s->setup->width,
-                              .height = s->setup->height,
+                              .width = pixel ? 1 : s->setup->width,
+                              .height = pixel ? 1 : s->setup->height,
                               .show = show};
   return csm_resolve_mask(view, s->cascades, &info);
 }
 
 static csm_result resolve(stage *s, uint32_t show) {
-  return resolve_on(s, s->view, show);
+  return resolve_on(s, s->view, show, false);
 }
 
 int stage_draw(stage *s, stage_stats *stats) {
@@ -329,13 +330,15 @@ int stage_mask(stage *s, const camera *from, float *mask, float *view_depth, flo
   return code == 0 && cascades ? stage_cascades(s, from, cascades) : code;
 }
 
-int stage_mask_alone(stage *s, const camera *from, float *mask) {
+int stage_mask_alone(stage *s, const camera *from, uint32_t frame, float *mask) {
   csm_view *view = NULL;
   s->frame.flags = 0;
   stage_look(s, from);
   csm_result result = csm_view_create(s->context, &view);
+  for (uint32_t i = 0; i < frame && result == CSM_SUCCESS; i++)
+    result = resolve_on(s, view, CSM_SHOW_VISIBILITY, true);
   if (result == CSM_SUCCESS)
-    result = resolve_on(s, view, CSM_SHOW_VISIBILITY);
+    result = resolve_on(s, view, CSM_SHOW_VISIBILITY, false);
   const csm_read_info info = {.struct_size = sizeof info,
                               .source = CSM_READ_MASK,
                               .view = view,
@@ -366,6 +369,7 @@ double stage_maps_ms(const stage_stats *stats) {
   return sum;
 }
 
+/* Below 0 where there are none. */
 double stage_moments_ms(const stage_stats *stats) {
   return fmax(stats->maps.moments_gpu_ms, 0.0);
 }

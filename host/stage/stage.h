@@ -98,8 +98,8 @@ int stage_mask(stage *s, const camera *from, float *mask, float *view_depth, flo
 
 /* CSM_SHOW_CASCADE alone, likewise. */
 int stage_cascades(stage *s, const camera *from, float *cascades);
-/* The same mask as a view has it that begins: without a history. */
-int stage_mask_alone(stage *s, const camera *from, float *mask);
+/* The same mask as a view has it without a history, whose patterns are those of its frame of this number, from 0 on. */
+int stage_mask_alone(stage *s, const camera *from, uint32_t frame, float *mask);
 
 /*
  * Draws the cascades and the mask with timestamps, after a frame that warms up, and, with a history, as many more as make

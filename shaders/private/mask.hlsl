@@ -63,6 +63,7 @@ float3 light_position(float2 place, float depth)
                   light_row(inputs.light_2, place, depth) * scale);
 }
 
+#if MASK_MOMENTS
 float light_change(float4 row, float3 change)
 {
     return mad(change.x, row.x, mad(change.y, row.y, change.z * row.z));
@@ -76,6 +77,7 @@ float3 light_step(float2 place, float depth, float3 at, float3 change)
     return float3(mad(-at.x, nearer, light_change(inputs.light_0, change)) * scale,
                   mad(-at.y, nearer, light_change(inputs.light_1, change)) * scale, 0.0);
 }
+#endif
 
 #include "private/depth_steps.hlsl"
 // View depth of a point of light space.

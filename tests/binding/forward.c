@@ -16,6 +16,7 @@
 #include "forward_glsl_4.h"
 #include "abi/loader.h"
 #include "plan/plan.h"
+#include "plane.h"
 #include "shader_code.h"
 #include "techniques/draw_list.h"
 #include "techniques/mask/mask_programs.h"
@@ -176,26 +177,6 @@ static void make_camera(double view[16], double projection[16]) {
   projection[14] = 0.5;
 }
 
-/*
- * The plane y = base[1] seen at a pixel: along the ray d it is d * k / (n . d), n being up and k the plane's distance,
- * and d is affine in the pixel's coordinates.
- */
-static void write_plane(float out[16], const double view[16], const double projection[16]) {
-  const double k = base[1] - eye[1];
-  const double at[3][3] = {{-1 / projection[0], 1 / projection[5], -1},
-                           {2.0 / WIDTH / projection[0], 0, 0},
-                           {0, -2.0 / HEIGHT / projection[5], 0}};
-  for (int i = 0; i < 3; ++i) {
-    double d[3];
-    for (int axis = 0; axis < 3; ++axis)
-      d[axis] = view[axis * 4] * at[i][0] + view[axis * 4 + 1] * at[i][1] + view[axis * 4 + 2] * at[i][2];
-    for (int axis = 0; axis < 3; ++axis)
-      out[i * 4 + axis] = (float)(d[axis] * k);
-    out[i * 4 + 3] = (float)d[1];
-  }
-  memcpy(&out[12], (const float[]){0, 1, 0, 0}, 16);
-}
-
 static csm_config make_config(uint32_t filter, uint32_t bias_mode, bool sloped) {
   csm_config config = {.struct_size = sizeof config};
   plan_config_default(&config);
@@ -242,7 +223,7 @@ static bool make_plan(bench *b, const csm_config *config) {
   check(b, b->view.instance_count == 1, "the camera sees the plane alone");
 
   char *upload = b->gpu.api->buffer_memory(b->upload);
-  write_plane((float *)(upload + AT_PLANE), view, projection);
+  plane_rows((float *)(upload + AT_PLANE), view, projection, base[1] - eye[1], WIDTH, HEIGHT);
   plan_write_constants((float *)(upload + AT_BLOCKS), &b->frame, config);
   plan_write_mask_constants((float *)(upload + AT_BLOCKS + MASK_CASCADES_BLOCK), &b->frame,
                             &(plan_picture){.camera = &b->frame.camera, .width = WIDTH, .height = HEIGHT}, config);

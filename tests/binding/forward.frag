@@ -1,5 +1,6 @@
 // forward.ps.hlsl in GLSL, with names of its own and a sampler apart. FORWARD_WAY: 0 compares, 1 reads depths, 2 is fixed to
-// a configuration, 3 has two lights, one of them with depths alone, 4 asks for points.
+// a configuration, 3 has two lights, one of them with depths alone, 4 asks for points, 5 has moments, and tells how the
+// position changes.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "csm_constants.h"
@@ -13,8 +14,15 @@ layout(set = 0, binding = 1) uniform plane_block
     vec4 plane[4]; // homogeneous position at (0, 0), its change for each pixel right and down; normal
 };
 layout(set = 0, binding = 16) uniform texture2DArray sun_maps;
+#if FORWARD_WAY == 5
+layout(set = 0, binding = 17) uniform texture2DArray sun_moments;
+layout(set = 0, binding = 48) uniform sampler sun_point;
+layout(set = 0, binding = 49) uniform sampler sun_linear;
+layout(set = 0, binding = 50) uniform samplerShadow sun_sampler;
+#else
 layout(set = 0, binding = 48) uniform samplerShadow sun_sampler;
 layout(set = 0, binding = 49) uniform sampler sun_point;
+#endif
 
 #if FORWARD_WAY == 3
 vec4 constant(int i)
@@ -44,6 +52,10 @@ float visibility(vec3 position)
 #define CSM_DEPTHS sampler2DArray(sun_maps, sun_point)
 #elif FORWARD_WAY == 2
 #include "forward_defines.h"
+#elif FORWARD_WAY == 5
+#define CSM_DEPTHS sampler2DArray(sun_maps, sun_point)
+#define CSM_MOMENTS sampler2DArray(sun_moments, sun_linear)
+#define CSM_SOFT 1
 #endif
 #define CSM_CONSTANTS sun.constants
 #define CSM_MAPS sun_maps
@@ -54,6 +66,8 @@ float visibility(vec3 position)
 {
 #if FORWARD_WAY == 4
     return csm_visibility_point(position, csm_view_depth(position));
+#elif FORWARD_WAY == 5
+    return csm_visibility_grad(position, plane[3].xyz, csm_view_depth(position), dFdx(position), dFdy(position));
 #else
     return csm_visibility(position, plane[3].xyz, csm_view_depth(position));
 #endif

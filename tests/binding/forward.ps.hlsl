@@ -1,6 +1,8 @@
 // An engine's forward shader in small: the light's visibility on a plane, whose point at each pixel the test says.
-// FORWARD_WAY: 0 loads texels, 1 gathers them, 2 is fixed to a configuration, 3 has two lights, 4 asks for points.
+// FORWARD_WAY: 0 loads texels, 1 gathers them, 2 is fixed to a configuration, 3 has two lights, 4 asks for points; 5 to 7
+// are fixed to filters vsm, evsm2 and pcss, have moments, and tell how the position changes.
 #include "csm_constants.h"
+#include "csm_enums.h"
 
 cbuffer shadows_block : register(b0)
 {
@@ -45,6 +47,27 @@ SamplerState csm_point : register(s0);
 #define CSM_POINT csm_point
 #elif FORWARD_WAY == 2
 #include "forward_defines.h"
+#elif FORWARD_WAY >= 5
+SamplerState csm_point : register(s0);
+SamplerState csm_linear : register(s1);
+Texture2DArray<float4> csm_moments : register(t1);
+#define CSM_POINT csm_point
+#if FORWARD_WAY == 5
+#define CSM_FILTER CSM_FILTER_VSM
+#elif FORWARD_WAY == 6
+#define CSM_FILTER CSM_FILTER_EVSM2
+#else
+#define CSM_FILTER CSM_FILTER_PCSS
+#endif
+#define CSM_BIAS_MODE CSM_BIAS_RECEIVER_PLANE
+#define CSM_BIAS_UNITS 0
+#define CSM_NORMAL_OFFSET_ON 0
+#define CSM_SELECTION CSM_SELECT_MAP
+#define CSM_OUT_OF_RANGE CSM_OUT_OF_RANGE_LIT
+#define CSM_BLENDING CSM_BLEND_OFF
+#define CSM_MAPS_ALIKE 1
+#define CSM_MAPS_REVERSED 0
+#define CSM_CASCADES 3
 #endif
 #include "csm_sample.hlsl"
 
@@ -52,6 +75,8 @@ float visibility(float3 position)
 {
 #if FORWARD_WAY == 4
     return csm_visibility_point(position, csm_view_depth(position));
+#elif FORWARD_WAY >= 5
+    return csm_visibility_grad(position, plane[3].xyz, csm_view_depth(position), ddx(position), ddy(position));
 #else
     return csm_visibility(position, plane[3].xyz, csm_view_depth(position));
 #endif

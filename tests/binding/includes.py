@@ -18,6 +18,10 @@ count = int(re.search(r"#define CSM_C_COUNT (\d+)", (include / "csm_constants.h"
 hlsl = """#include "csm_constants.h"
 cbuffer shadows : register(b0) { float4 CONSTANTS[CSM_C_COUNT]; };
 Texture2DArray<float> MAPS : register(t0);
+#ifdef MOMENTS
+Texture2DArray<float4> MOMENTS : register(t1);
+SamplerState csm_linear : register(s2);
+#endif
 #ifdef CSM_POINT
 SamplerState CSM_POINT : register(s0);
 #endif
@@ -44,6 +48,9 @@ layout(set = 0, binding = 1) uniform sampler2DArrayShadow MAPS;
 #endif
 #ifdef CSM_DEPTHS
 layout(set = 0, binding = 3) uniform sampler2DArray CSM_DEPTHS;
+#endif
+#ifdef MOMENTS
+layout(set = 0, binding = 6) uniform sampler2DArray MOMENTS;
 #endif
 #ifdef OWN_COMPARISON
 #define CSM_COMPARE(uv, layer, reference) textureGrad(MAPS, vec4(uv, layer, reference), vec2(0.0), vec2(0.0))
@@ -119,11 +126,11 @@ ways = {
     "GLSL, own comparison": (glsl, {**usual, "OWN_COMPARISON": "1"}, {LIT}, {LIT}),
     "GLSL, own comparison with a texel": (glsl, {**usual, "OWN_TEXEL": "1"}, {LOAD}, {LOAD}),
 }
-NEAREST, FILTERS = 2, 10
-cases = {}  # source, stage, macros, the instructions that read, whether one is all
+NEAREST, FIRST_OF_MOMENTS, FIRST_SOFT, FILTERS = 2, 10, 15, 18
+cases = {}  # source, stage, macros, the instructions that read (None: any), whether one is all
 for way, (source, defines, reads, texel_reads) in ways.items():
     cases[f"{way}, as configured"] = source, "frag", defines, reads | texel_reads, False
-    for kind in (NEAREST, FILTERS - 1) if "own comparison" in way else range(FILTERS):
+    for kind in (NEAREST, FIRST_OF_MOMENTS - 1) if "own comparison" in way else range(FIRST_OF_MOMENTS):
         fixed, nearest = {**defines, "CSM_FILTER": str(kind)}, kind == NEAREST
         cases[f"{way}, filter {kind}"] = source, "frag", fixed, texel_reads if nearest else reads, nearest
 # Each define fixed to each of its values, and all of them; what is fixed away is not read.
@@ -141,6 +148,17 @@ for language, source, reads in (("HLSL", hlsl, {LOAD}), ("GLSL", glsl, {GATHER_L
     cases[f"{language}, all fixed"] = source, "frag", least, {LOAD} if source == hlsl else {GATHER_LIT}, False
     cases[f"{language}, a point"] = source, "frag", {
         **least, "ASKED": "csm_visibility_point(p.xyz,p.w)"}, {LOAD} if source == hlsl else {GATHER_LIT}, False
+# Filters of moments read those alone, and through a name of the includer's where they are as configured.
+MOMENTS = "OpImageSampleExplicitLod"
+READS = (*READS, MOMENTS)
+for language, source, reads in (("HLSL", hlsl, {LOAD}), ("GLSL", glsl, {GATHER_LIT, LIT})):
+    grad = {"ASKED": "csm_visibility_grad(p.xyz,p.xyz,csm_view_depth(p.xyz),p.yzx,p.zxy)"}
+    for kind in range(FIRST_OF_MOMENTS, FILTERS):
+        fixed, of_moments = {**usual, "CSM_FILTER": str(kind), "MOMENTS": "csm_moments"}, kind < FIRST_SOFT
+        cases[f"{language}, filter {kind}"] = source, "frag", fixed, {MOMENTS} if of_moments else None, False
+        cases[f"{language}, filter {kind}, levels"] = source, "frag", {**fixed, **grad}, {MOMENTS} if of_moments else None, False
+    cases[f"{language}, moments and soft, as configured"] = source, "frag", {
+        **usual, **grad, "MOMENTS": "moments", "CSM_MOMENTS": "moments", "CSM_SOFT": "1"}, None, False
 cases["GLSL, two suns in a compute shader"] = compute, "comp", {}, {LIT}, False
 cases["HLSL, two suns"] = hlsl_suns, "frag", {}, {LOAD}, False
 
@@ -192,7 +210,7 @@ def check_case(case):
             if source in (hlsl, glsl):
                 check_layout(text)
             found = {read: len(re.findall(read, text)) for read in READS}
-            assert {read for read in READS if found[read]} == reads, f"reads by {found}"
+            assert reads is None or {read for read in READS if found[read]} == reads, f"reads by {found}"
             # And again where the receiver is steep: functions are inlined in one language, and not in the other
             assert not one or sum(found.values()) in (1, 2), f"not a single texel: {found}"
             return 0
@@ -206,7 +224,7 @@ def refuses(source, value):
         try:
             compile_case(pathlib.Path(scratch), source, "frag", {**usual, "CSM_FILTER": value})
         except RuntimeError as error:
-            return "CSM_FILTER is 0 to 9" in str(error)
+            return "CSM_FILTER is 0 to 17" in str(error)
         return False
 
 
@@ -214,7 +232,7 @@ check_enumerations()
 with concurrent.futures.ThreadPoolExecutor(2) as pool:
     failed = sum(pool.map(check_case, cases.items()))
 for source in (hlsl, glsl):
-    if not refuses(source, "10"):
+    if not refuses(source, "18"):
         failed += 1
         print("a filter that is not there goes unseen")
 print(f"{len(cases)} ways to include, {failed} failures")

@@ -206,11 +206,8 @@ static void what_cannot_be_is_refused(void **state) {
   setup(&f);
   render(&f);
   f.record.quiet = true;
-  const csm_mask_info moving = {.struct_size = sizeof moving,
-                                .frame = shot_frame(&f.scene.shot),
-                                .width = WIDTH,
-                                .height = HEIGHT,
-                                .motion = &f};
+  const csm_mask_info moving = {
+      .struct_size = sizeof moving, .frame = shot_frame(&f.scene.shot), .width = WIDTH, .height = HEIGHT, .motion = &f};
   assert_int_equal(csm_resolve_mask(f.view, f.cascades, &moving), CSM_ERROR_UNSUPPORTED);
   f.config.history = CSM_HISTORY_OFF;
   assert_int_equal(csm_cascades_configure(f.cascades, &f.config), CSM_SUCCESS);

@@ -25,13 +25,16 @@ packages = {"own_device.c": [], "vulkan.c": ["vulkan"], "d3d12.c": ["libvkd3d-ut
 flags = ["-std=c11", "-Wall", "-Wextra", "-Werror", f"-I{root}/api/include", f"-I{root}/shaders/include"]
 PRELUDE = """#include "csm/csm_loader.h"
 #include "csm/csm_d3d12.h"
+#include "csm/csm_vulkan.h"
 #include <stdio.h>
+#include <vulkan/vulkan.h>
 void renderer_set_matrix(void *renderer, void *command_buffer, const double matrix[16]);
 void check(csm_context *context, csm_result result);
 void renderer_draw_skinned(void *renderer, void *command_buffer, const double planes[5][4]);
 """
 ARGUMENTS = ("(csm_create_info create, csm_d3d12_device device, csm_context *context, csm_cascades *cascades, "
-             "csm_frame frame, csm_mask_info left_mask, csm_mask_info right_mask, int tile_x, int tile_z)")
+             "csm_frame frame, csm_mask_info left_mask, csm_mask_info right_mask, int tile_x, int tile_z, csm_view *view, "
+             "csm_mask_info mask, csm_vulkan_image depth, csm_vulkan_image motion)")
 
 
 def run(*command, **options):
@@ -56,6 +59,11 @@ def compile_part(body):
 def compile_shaders(folder):
     run(glslang, "-V", "-x", "--target-env", "vulkan1.1", f"-I{root}/shaders/include", "-o", folder / "points.spv.h",
         folder / "points.comp")
+    # Those of moments are compiled alone; what they give is held by tests/binding.
+    run(glslang, "-V", "--target-env", "vulkan1.1", f"-I{root}/shaders/include", "-o", folder / "moments.spv",
+        folder / "moments.frag")
+    run(glslang, "-V", "-D", "-e", "main", "-S", "frag", "--target-env", "vulkan1.1", f"-I{root}/shaders/include", "-o",
+        folder / "moments_hlsl.spv", folder / "moments.ps.hlsl")
     source = root / "tests/docs/points.cs.hlsl"
     if files["points.cs.hlsl"] != source.read_text():
         sys.exit("points.cs.hlsl of docs/embedding.md is not that of tests/docs: copy it there and run ./dev shaders")
@@ -82,7 +90,7 @@ def said(*lines):
 
 for part in parts:
     compile_part(part)
-assert len(parts) == 6 and set(packages) <= set(files), (len(parts), sorted(files))
+assert len(parts) == 9 and set(packages) <= set(files), (len(parts), sorted(files))
 with tempfile.TemporaryDirectory() as scratch:
     folder = pathlib.Path(scratch)
     for name, body in files.items():

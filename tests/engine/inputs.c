@@ -257,7 +257,9 @@ static void motion_says_where_a_surface_was(void **state) {
     float motion[2];
     uint16_t halves[2];
     double least, most; /* share of the pixels that go on */
-  } ways[] = {{{0, 0}, {0, 0}, 1, 1}, {{-2, 0}, {0xc000, 0}, 0, 0}, {{0, 1.5f}, {0, 0x3e00}, 0, 0},
+  } ways[] = {{{0, 0}, {0, 0}, 1, 1},
+              {{-2, 0}, {0xc000, 0}, 0, 0},
+              {{0, 1.5f}, {0, 0x3e00}, 0, 0},
               {{-1.0f / 64, 0}, {0xa400, 0}, 0.5, 0.99}};
   picture own = draw_own(depth);
   picture_free(&own);
@@ -268,9 +270,9 @@ static void motion_says_where_a_surface_was(void **state) {
       stage_open(&stage, rig);
       stage.config.history = CSM_HISTORY_ON;
       stage_configure(&stage);
-      rig_image *images[] = {make_image(rig, RIG_DEPTH_32, 0, depth),
-                             make_motion(rig, format ? RIG_RGBA_FLOAT_16 : RIG_RGBA_FLOAT_32, ways[i].motion,
-                                         ways[i].halves)};
+      rig_image *images[] = {
+          make_image(rig, RIG_DEPTH_32, 0, depth),
+          make_motion(rig, format ? RIG_RGBA_FLOAT_16 : RIG_RGBA_FLOAT_32, ways[i].motion, ways[i].halves)};
       const seen seen = {.depth = images[0], .show = CSM_SHOW_HISTORY, .motion = images[1]};
       picture first = draw_seen(&stage, seen), second = draw_seen(&stage, seen);
       assert_true(share_of(&first, 1) == 1.0);

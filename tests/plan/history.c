@@ -192,7 +192,8 @@ static void a_plane_lies_there_as_it_did(void **state) {
     point_at(&c.past_camera, pixel, point, normal, there);
     const double before = span_of_past(&c, depth_of(&c.past_camera, point));
     const double expected = span_of_past(&c, depth_of(&c.past_camera, there));
-    assert_near(before - (1.5 * plane[0] - 0.5 * plane[1]) / plane[2], expected, 1e-3 * fabs(expected - before) + 1e-4 * fabs(before));
+    assert_near(before - (1.5 * plane[0] - 0.5 * plane[1]) / plane[2], expected,
+                1e-3 * fabs(expected - before) + 1e-4 * fabs(before));
     const double length = sqrt(dot(found, found)), side = cosine > 0.0 ? 1.0 : -1.0;
     assert_true(side * dot(found, normal) > 0.999 * length);
     ++compared;
@@ -252,8 +253,10 @@ static void phases_are_even(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_point_is_found_where_it_was),     cmocka_unit_test(a_plane_lies_there_as_it_did),
-      cmocka_unit_test(an_engines_normals_are_the_worlds), cmocka_unit_test(only_the_same_picture_goes_on),
+      cmocka_unit_test(a_point_is_found_where_it_was),
+      cmocka_unit_test(a_plane_lies_there_as_it_did),
+      cmocka_unit_test(an_engines_normals_are_the_worlds),
+      cmocka_unit_test(only_the_same_picture_goes_on),
       cmocka_unit_test(phases_are_even),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

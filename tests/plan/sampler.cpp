@@ -142,6 +142,9 @@ csm_float4 clamp(csm_float4 a, float low, float high) {
 float csm_mad(float a, float b, float c) {
   return std::fma(a, b, c);
 }
+csm_float4 csm_mad(csm_float4 a, csm_float4 b, csm_float4 c) {
+  return csm_float4(csm_mad(a.x, b.x, c.x), csm_mad(a.y, b.y, c.y), csm_mad(a.z, b.z, c.z), csm_mad(a.w, b.w, c.w));
+}
 
 struct bound {
   const csm_float4 *constants;
@@ -216,6 +219,7 @@ csm_float4 moments_at(csm_float2 texel, float layer, float level) {
 #define CSM_DEPTHS_4(texel, layer) depths_of(texel, layer)
 #define CSM_TEXEL_LIT(texel, layer, reference)                                                                         \
   float(reference * CSM_SIDE <= depth_of((texel).x, (texel).y, layer) * CSM_SIDE)
+#define CSM_SOFT 1
 #define CSM_UNROLL
 #define CSM_LOOP
 #define CSM_STATIC static const
@@ -303,6 +307,7 @@ float sampler_filter(float x, float y, float depth) {
   spot.last = 1;
   spot.rect = shader::bound.constants[CSM_C_RECTS];
   spot.pattern = csm_float2(1, 0);
+  spot.soft = 0;
   return csm_filter(spot);
 }
 

@@ -16,8 +16,8 @@ typedef struct history_state {
   drawn_images images[2]; /* the one that was drawn last is images[last] */
   drawn_images mask;      /* that comes of it */
   uint32_t last;
-  plan_past past;  /* what images[last] was drawn for */
-  uint32_t frames; /* that were accumulated, whatever became of them */
+  plan_past past;   /* what images[last] was drawn for */
+  uint32_t frames;  /* that were accumulated, whatever became of them */
   inputs inputs[2]; /* of the history, of the mask */
   double gpu_ms;
   bool measured;
@@ -77,8 +77,7 @@ static uint64_t size(const void *self, const technique_run *run) {
 
 static csm_result reserve_images(history_state *state, device *device, const technique_picture *picture) {
   const uint32_t width = picture->width, height = picture->height;
-  csm_result result =
-      drawn_image_reserve(&state->mask, device, "history mask", GPU_FORMAT_R8_UNORM, width, height);
+  csm_result result = drawn_image_reserve(&state->mask, device, "history mask", GPU_FORMAT_R8_UNORM, width, height);
   for (int i = 0; i < 2 && !result; ++i)
     result = drawn_image_reserve(&state->images[i], device, "history", GPU_FORMAT_RGBA16_FLOAT, width, height);
   return result;
@@ -141,12 +140,11 @@ static void write(void *self, const technique_run *run) {
   const history_state *state = self;
   const technique_picture *picture = run->picture;
   if (state->runs)
-    plan_write_history_constants(state->ring.memory, run->plan,
-                                 &(plan_picture){.show = picture->show,
-                                                 .normals = picture->normals.image != NULL,
-                                                 .unorm_normals = state->unorm_normals},
-                                 &(plan_passage){.past = state->goes_on ? &state->past : &state->now, .now = &state->now},
-                                 run->config);
+    plan_write_history_constants(
+        state->ring.memory, run->plan,
+        &(plan_picture){
+            .show = picture->show, .normals = picture->normals.image != NULL, .unorm_normals = state->unorm_normals},
+        &(plan_passage){.past = state->goes_on ? &state->past : &state->now, .now = &state->now}, run->config);
 }
 
 static void adopt(void *self, device *from) {

@@ -1,0 +1,297 @@
+/*
+ * forward_filters.c: filters of moments and of a light's size give in an engine's forward shader, which binds what
+ * csm_bind tells of, what the mask says.
+ *
+ *   forward_filters BACKEND
+ *
+ * A camera sees nothing but a ground; boxes above the view cast on it, near and far. What the shader reads are the very
+ * images of the cascades.
+ */
+#include "../conformance/support.h"
+#include "abi/cascades.h"
+#include "csm_constants.h"
+#include "forward_code.h"
+#include "forward_glsl_5.h"
+#include "plane.h"
+#include "shader_code.h"
+#include "techniques/maps/maps.h"
+#include "techniques/mask/mask_programs.h"
+#include "techniques/moments/moments.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WIDTH = 512, HEIGHT = 256, PIXELS = WIDTH * HEIGHT, BOXES = 24, READERS = 2 };
+enum { AT_PLANE = MASK_CASCADES_BLOCK, UPLOAD_BYTES = AT_PLANE + 256 };
+
+typedef struct fixture {
+  record record;
+  csm_context *context;
+  gpu gpu;
+  csm_instance instances[BOXES + 1];
+  shot shot;
+  csm_view *view;
+  csm_cascades *cascades;
+  gpu_buffer *upload, *readback;
+  gpu_image *picture, *none; /* what is drawn; moments of a filter that reads none */
+  gpu_target *target;
+} fixture;
+
+/* ---- the scene ---- */
+
+static double between(uint32_t *random, double low, double high) {
+  *random = *random * 1664525u + 1013904223u;
+  return low + (high - low) * (double)(*random >> 8) / 16777216.0;
+}
+
+static void place_things(fixture *f) {
+  const csm_mesh ground = support_square(f->context), box = support_box(f->context, 2);
+  uint32_t random = 1;
+  f->instances[0] = support_instance(ground, 0, 0, 0, 200, 1, 200);
+  for (uint32_t i = 1; i <= BOXES; ++i) {
+    const double x = between(&random, -25, 15), y = between(&random, 9, 40), z = between(&random, -50, 0);
+    f->instances[i] = support_instance(box, x, y, z, between(&random, 0.2, 3), 0.3, between(&random, 0.2, 3));
+  }
+  f->shot = shot_make(f->instances, BOXES + 1);
+  memcpy(f->shot.light.direction, (const double[]){0.4, -1, 0.25}, sizeof f->shot.light.direction);
+  f->shot.light.angular_diameter = 0.03;
+  support_look_at(f->shot.camera.view, (const double[]){2, 8, 4}, (const double[]){2, 1, -6});
+  support_perspective(f->shot.camera.projection, 50, (double)WIDTH / HEIGHT, 0.5, 0);
+}
+
+/* ---- objects ---- */
+
+static void make_objects(fixture *f) {
+  const gpu_buffer_info upload = {"upload", GPU_BUFFER_UPLOAD, UPLOAD_BYTES, 0};
+  const gpu_buffer_info readback = {"readback", GPU_BUFFER_READBACK, PIXELS, 0};
+  const uint32_t usage = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED;
+  const gpu_image_info picture = {
+      "picture", GPU_FORMAT_R8_UNORM, usage | GPU_IMAGE_COPY_SOURCE, WIDTH, HEIGHT, 1, false, 1};
+  const gpu_image_info none = {"no moments", GPU_FORMAT_R32_FLOAT, usage, 1, 1, 1, true, 1};
+  assert_int_equal(gpu_buffer_create(f->gpu, &upload, &f->upload), CSM_SUCCESS);
+  assert_int_equal(gpu_buffer_create(f->gpu, &readback, &f->readback), CSM_SUCCESS);
+  assert_int_equal(gpu_image_create(f->gpu, &picture, &f->picture), CSM_SUCCESS);
+  assert_int_equal(gpu_image_create(f->gpu, &none, &f->none), CSM_SUCCESS);
+  const gpu_target_info target = {.name = "picture", .color = f->picture};
+  assert_int_equal(gpu_target_create(f->gpu, &target, &f->target), CSM_SUCCESS);
+}
+
+static void free_objects(fixture *f) {
+  gpu_target_destroy(f->gpu, f->target);
+  gpu_image_destroy(f->gpu, f->picture);
+  gpu_image_destroy(f->gpu, f->none);
+  gpu_buffer_destroy(f->gpu, f->upload);
+  gpu_buffer_destroy(f->gpu, f->readback);
+}
+
+static void open_fixture(fixture *f) {
+  memset(f, 0, sizeof *f);
+  f->context = support_open(&f->record);
+  f->gpu = context_device(f->context)->gpu;
+  f->view = support_view(f->context);
+  place_things(f);
+  make_objects(f);
+}
+
+static void close_fixture(fixture *f) {
+  free_objects(f);
+  support_close(f->context, &f->record);
+}
+
+/* ---- the forward shader ---- */
+
+static void write_constants(const fixture *f) {
+  csm_binding binding = {.struct_size = sizeof binding};
+  assert_int_equal(csm_bind(f->cascades, &binding), CSM_SUCCESS);
+  char *upload = gpu_buffer_memory(f->gpu, f->upload);
+  memcpy(upload, binding.cascade_constants, binding.cascade_constants_size);
+  memcpy(upload + binding.cascade_constants_size, binding.setting_constants, binding.setting_constants_size);
+  plane_rows((float *)(upload + AT_PLANE), f->shot.camera.view, f->shot.camera.projection, -8, WIDTH, HEIGHT);
+}
+
+/* HLSL is fixed to a filter and a plain configuration, of which a few are made; GLSL follows the configuration. */
+static bool has_program(const fixture *f, bool glsl) {
+  const csm_config *config = &f->cascades->config;
+  const bool made =
+      config->filter == CSM_FILTER_VSM || config->filter == CSM_FILTER_EVSM2 || config->filter == CSM_FILTER_PCSS;
+  return glsl ? strcmp(f->gpu.api->name, "vulkan") == 0
+              : made && config->blend_mode == CSM_BLEND_OFF && !config->map_reversed;
+}
+
+static gpu_code code_of(const fixture *f, bool glsl) {
+  if (glsl)
+    return (gpu_code){.spirv = forward_glsl_5, .spirv_size = sizeof forward_glsl_5};
+  const uint32_t filter = f->cascades->config.filter;
+  return filter == CSM_FILTER_VSM     ? shader_forward_vsm_ps
+         : filter == CSM_FILTER_EVSM2 ? shader_forward_evsm2_ps
+                                      : shader_forward_pcss_ps;
+}
+
+static gpu_program_info program_info(const fixture *f, bool glsl) {
+  return (gpu_program_info){
+      .name = "forward",
+      .vertex = shader_screen_vs,
+      .pixel = code_of(f, glsl),
+      .constants_count = 2,
+      .constants_sizes = {MASK_CASCADES_BLOCK, 64},
+      .texture_count = 2,
+      .sampler_count = 3,
+      .samplers = {GPU_SAMPLER_POINT_CLAMP, GPU_SAMPLER_TRILINEAR_CLAMP, GPU_SAMPLER_COMPARE_LESS_EQUAL},
+      .color_format = GPU_FORMAT_R8_UNORM,
+      .cull = GPU_CULL_NONE,
+  };
+}
+
+static void record_picture(const fixture *f, gpu_program *program, gpu_bindings *bindings) {
+  const gpu gpu = f->gpu;
+  gpu_pass_begin(gpu, &(gpu_pass_info){.target = f->target, .color_load = GPU_LOAD_DISCARD});
+  gpu_pass_program(gpu, program);
+  gpu_pass_bind(gpu, bindings, (const uint32_t[]){0, AT_PLANE});
+  gpu_pass_draw(gpu, &(gpu_draw){.count = 3, .instance_count = 1});
+  gpu_pass_end(gpu);
+  gpu_copy_image(gpu, f->readback, 0, WIDTH, f->picture, &(gpu_region){.width = WIDTH, .height = HEIGHT});
+}
+
+static const uint8_t *draw_forward(const fixture *f, bool glsl) {
+  gpu_image *moments = moments_image(&f->cascades->techniques, &f->cascades->config);
+  const gpu_program_info info = program_info(f, glsl);
+  gpu_program *program;
+  gpu_bindings *bindings;
+  assert_int_equal(gpu_program_create(f->gpu, &info, &program), CSM_SUCCESS);
+  const gpu_bindings_info reads = {.name = "forward",
+                                   .program = program,
+                                   .constants = {f->upload, f->upload},
+                                   .textures = {maps_image(&f->cascades->techniques), moments ? moments : f->none}};
+  assert_int_equal(gpu_bindings_create(f->gpu, &reads, &bindings), CSM_SUCCESS);
+  assert_int_equal(gpu_begin(f->gpu, &(gpu_record_info){.slot = 0, .first = true}), CSM_SUCCESS);
+  if (!moments)
+    gpu_make_readable(f->gpu, f->none, NULL);
+  record_picture(f, program, bindings);
+  assert_int_equal(gpu_end(f->gpu), CSM_SUCCESS);
+  assert_int_equal(gpu_wait(f->gpu, 0), CSM_SUCCESS);
+  gpu_bindings_destroy(f->gpu, bindings);
+  gpu_program_destroy(f->gpu, program);
+  return gpu_buffer_memory(f->gpu, f->readback);
+}
+
+/* ---- comparing ---- */
+
+/* The mask has shadows with something between light and dark. */
+static void check_mask(const float *mask) {
+  uint32_t lit = 0, dark = 0;
+  for (uint32_t i = 0; i < PIXELS; ++i) {
+    lit += mask[i] > 0.95f;
+    dark += mask[i] < 0.2f;
+  }
+  assert_in_range(lit, PIXELS / 5, PIXELS);
+  assert_in_range(dark, PIXELS / 100, PIXELS);
+  assert_in_range(PIXELS - lit - dark, PIXELS / 100, PIXELS);
+}
+
+/* The contract's tolerance: 1/255 on all but 0.01 % of the pixels. */
+static void compare(const float *mask, const uint8_t *picture, const char *what) {
+  uint32_t any = 0, wrong = 0;
+  int largest = 0;
+  for (uint32_t i = 0; i < PIXELS; ++i) {
+    const int apart = abs((int)(mask[i] * 255.0f + 0.5f) - (int)picture[i]);
+    any += apart > 0;
+    wrong += apart > 1;
+    largest = apart > largest ? apart : largest;
+  }
+  printf("%s: %u pixels differ, %u by more than 1/255, at most %d/255\n", what, any, wrong, largest);
+  if (wrong > PIXELS / 10000)
+    fail_msg("%s: %u pixels differ by more than 1/255", what, wrong);
+}
+
+static void check_config(fixture *f, const csm_config *config, const char *what) {
+  assert_int_equal(csm_cascades_create(f->context, config, &f->cascades), CSM_SUCCESS);
+  assert_int_equal(csm_render_cascades(f->cascades, shot_frame(&f->shot)), CSM_SUCCESS);
+  assert_int_equal(shot_resolve(&f->shot, f->view, f->cascades, WIDTH, HEIGHT), CSM_SUCCESS);
+  float *mask = support_image(f->context, f->view, CSM_READ_MASK, WIDTH, HEIGHT);
+  check_mask(mask);
+  write_constants(f);
+  for (int glsl = 0; glsl < READERS; ++glsl) {
+    char name[128];
+    snprintf(name, sizeof name, "%s, %s", what, glsl ? "GLSL" : "HLSL");
+    if (has_program(f, glsl))
+      compare(mask, draw_forward(f, glsl), name);
+  }
+  free(mask);
+  assert_int_equal(csm_cascades_destroy(f->cascades), CSM_SUCCESS);
+}
+
+static csm_config config_of(uint32_t filter) {
+  csm_config config = support_config();
+  config.resolution = 512;
+  config.shadow_distance = 40;
+  config.filter = filter;
+  config.soft_radius_max_texels = 16;
+  config.soft_search_taps = 8;
+  config.soft_taps = 8;
+  if (filter == CSM_FILTER_VSSM)
+    config.moment_levels = 5;
+  return config;
+}
+
+static void every_filter_is_as_in_the_mask(void **state) {
+  static const char *const names[] = {"vsm", "esm", "evsm2", "evsm4", "msm4", "pcss", "vssm", "backprojection"};
+  fixture f;
+  (void)state;
+  open_fixture(&f);
+  for (uint32_t filter = CSM_FILTER_VSM; filter <= CSM_FILTER_BACKPROJECTION; ++filter) {
+    const csm_config config = config_of(filter);
+    check_config(&f, &config, names[filter - CSM_FILTER_VSM]);
+  }
+  close_fixture(&f);
+}
+
+/* Levels are chosen by how the position changes from pixel to pixel, which the shader tells. */
+static void levels_are_as_in_the_mask(void **state) {
+  fixture f;
+  (void)state;
+  open_fixture(&f);
+  csm_config config = config_of(CSM_FILTER_EVSM2);
+  config.moment_levels = 5;
+  config.moment_sampling = CSM_SAMPLING_TRILINEAR;
+  check_config(&f, &config, "evsm2, trilinear");
+  config.moment_sampling = CSM_SAMPLING_ANISOTROPIC;
+  config.moment_anisotropy = 4;
+  check_config(&f, &config, "evsm2, anisotropic");
+  config.filter = CSM_FILTER_VSM;
+  config.moment_format = CSM_MOMENTS_FLOAT16;
+  config.moment_layers = 2;
+  config.moment_halved = 1;
+  check_config(&f, &config, "vsm, 16 bits, halved, two layers, anisotropic");
+  close_fixture(&f);
+}
+
+static void settings_are_as_in_the_mask(void **state) {
+  fixture f;
+  (void)state;
+  open_fixture(&f);
+  csm_config config = config_of(CSM_FILTER_VSM);
+  config.moment_blur = CSM_BLUR_GAUSSIAN;
+  config.moment_blur_texels = 4;
+  config.bleeding_curve = CSM_BLEEDING_SMOOTHSTEP;
+  config.bleeding_reduction = 0.2;
+  config.bleeding_power = 2;
+  config.moment_deviation_m = 0.05;
+  config.blend_mode = CSM_BLEND_LINEAR;
+  check_config(&f, &config, "vsm, blended");
+  config = config_of(CSM_FILTER_PCSS);
+  config.soft_penumbra = CSM_PENUMBRA_RATIO;
+  config.soft_light_range = 0.01;
+  config.map_reversed = 1;
+  check_config(&f, &config, "pcss, ratio, reversed");
+  close_fixture(&f);
+}
+
+int main(int argc, char **argv) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(every_filter_is_as_in_the_mask),
+      cmocka_unit_test(levels_are_as_in_the_mask),
+      cmocka_unit_test(settings_are_as_in_the_mask),
+  };
+  return support_main(argc, argv, tests, sizeof tests / sizeof *tests);
+}
