@@ -151,7 +151,8 @@ csm_result CSM_CALL csm_read(csm_context *context, const csm_read_info *in) {
     result = find_source(context, &info, &from);
   if (result)
     return result;
-  const uint64_t size = (uint64_t)from.part.width * from.part.height * channels_of(from.format) * layers_of(&from) * sizeof(float);
+  const uint64_t size =
+      (uint64_t)from.part.width * from.part.height * channels_of(from.format) * layers_of(&from) * sizeof(float);
   if (!info.data)
     return host_fail(host, CSM_ERROR_NULL_POINTER, "csm_read_info: data is NULL");
   if (info.size != size)

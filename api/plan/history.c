@@ -123,5 +123,5 @@ double plan_history_phase(uint32_t frame) {
 }
 
 void plan_write_phase(float *out, double phase) {
-  out[CSM_S_SOFT_MORE * 4 + 3] = plan_float(phase);
+  out[CSM_S_SOFT_MORE * 4 + 3] = plan_float(1.0 + phase);
 }

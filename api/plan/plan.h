@@ -368,7 +368,7 @@ bool plan_past_counts(const plan_past *past, const plan_past *now);
 /* The block of the history pass (csm_history.h). Returns its bytes. */
 uint32_t plan_write_history_constants(float *out, const plan_frame *frame, const plan_picture *picture,
                                       const plan_passage *passage, const csm_config *config);
-/* CSM_S_SOFT_MORE.w of a view's frame: by how much of a pattern its filter goes on, from 0 to 1. Frames lie apart as evenly
+/* The phase in CSM_S_SOFT_MORE.w of a view's frame: by how much of a pattern its filter goes on, from 0 to 1. Frames lie apart as evenly
    as can be, however many of them there are in a row. */
 double plan_history_phase(uint32_t frame);
 /* Puts it into the block of plan_write_constants. */

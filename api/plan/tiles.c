@@ -56,7 +56,8 @@ bool plan_cascade_same(const plan_frame *before, const plan_frame *now, uint32_t
   const plan_cascade *a = &before->cascades[cascade], *b = &now->cascades[cascade];
   if (before->unshadowed || now->unshadowed || cascade >= before->cascade_count ||
       a->list.instance_count != b->list.instance_count || a->list.draw_count != b->list.draw_count ||
-      memcmp(before->basis, now->basis, sizeof now->basis) != 0 || memcmp(a->to_clip, b->to_clip, sizeof a->to_clip) != 0)
+      memcmp(before->basis, now->basis, sizeof now->basis) != 0 ||
+      memcmp(a->to_clip, b->to_clip, sizeof a->to_clip) != 0)
     return false;
   for (uint32_t i = 0; i < b->list.instance_count; ++i) {
     const uint32_t slot = b->list.instances[i];

@@ -22,7 +22,7 @@
 #define SWITCH_ROUNDS 7u
 #define ENGINE_ROUNDS 201u
 #define QUICK_ROUNDS 31u
-#define BENCH_TABLES 4
+#define BENCH_TABLES 5
 #define MAX_CONTENDERS (HOST_BACKENDS + 1)
 
 /* Filters that look at the size of the light have something to look at. */
@@ -214,6 +214,9 @@ static int time_tables(bench *b) {
   bench_table_maps(&table, &b->setup.config);
   if (code == 0)
     code = time_table(b, &table, (bench_floor){b->floor ? draw_floor : NULL, b->floor});
+  bench_table_moments(&table, &b->setup.config);
+  if (code == 0)
+    code = time_table(b, &table, (bench_floor){0});
   if (code == 0 && b->floor && wanted(b, "bare"))
     code = bench_bare_run(&b->bare, &b->stages[0], &b->setup.config, &b->plan, b->options->device, b->pairs);
   return code;

@@ -19,7 +19,7 @@ typedef struct group {
   lane lanes[most_lanes];
   uint32_t count;
   bench_floor floor;
-  bool maps;
+  const bench_table *table;
 } group;
 
 static csm_result resolve(const lane *l, uint32_t flags) {
@@ -66,13 +66,18 @@ static void close_group(group *g) {
 static double draw_once(const group *g, const lane *l) {
   if (!l->stage)
     return g->floor.draw(g->floor.user);
-  l->stage->frame.flags = g->maps ? CSM_FRAME_TIMESTAMPS : 0;
+  const bool draws = g->table->maps || g->table->moments;
+  l->stage->frame.flags = draws ? CSM_FRAME_TIMESTAMPS : 0;
+  if (g->table->moments) /* what does not change is not made anew */
+    l->stage->light.direction[0] += 1e-3;
   stage_stats stats = {.maps.struct_size = sizeof stats.maps, .mask.struct_size = sizeof stats.mask};
   const csm_result result =
-      g->maps ? csm_render_cascades(l->cascades, &l->stage->frame) : resolve(l, CSM_FRAME_TIMESTAMPS);
+      draws ? csm_render_cascades(l->cascades, &l->stage->frame) : resolve(l, CSM_FRAME_TIMESTAMPS);
   if (result || csm_get_stats(l->cascades, &stats.maps) || csm_get_view_stats(l->view, &stats.mask))
     return -1.0;
-  return g->maps ? stage_maps_ms(&stats) : stage_mask_ms(&stats) + stage_history_ms(&stats);
+  if (g->table->moments && l->row != &g->table->base)
+    return stats.maps.moments_gpu_ms;
+  return draws ? stage_maps_ms(&stats) : stage_mask_ms(&stats) + stage_history_ms(&stats);
 }
 
 static int time_group(const group *g, const bench_table *table, uint32_t pairs) {
@@ -128,7 +133,7 @@ int bench_rows_run(bench_rows *out, const bench_table *table, stage *stages, uin
   int code = 0;
   *out = (bench_rows){.table = *table, .pairs = pairs, .has_floor = floor.draw != NULL};
   for (uint32_t first = 0; first < table->count && code == 0; first += group_rows) {
-    group g = {.floor = floor, .maps = table->maps};
+    group g = {.floor = floor, .table = &out->table};
     code = open_group(&g, &out->table, first, stages, stage_count, pairs);
     if (code == 0)
       code = time_group(&g, &out->table, pairs);

@@ -16,7 +16,9 @@ typedef struct bench_row {
 /* What is to be timed. */
 typedef struct bench_table {
   const char *name, *about;
-  bool maps; /* the maps' passes are timed; else the mask's alone, with its history if it has one */
+  bool
+      moments; /* what makes moments is timed, but of the base, whose maps' passes are; the light turns with each frame */
+  bool maps;   /* the maps' passes are timed; else the mask's alone, with its history if it has one */
   bench_row base;
   bench_row rows[bench_most_rows];
   uint32_t count;
@@ -30,6 +32,8 @@ void bench_table_filters(bench_table *out, const csm_config *config);
 void bench_table_modes(bench_table *out, const csm_config *config);
 /* Every way to lay out, fit and draw maps, against the configuration without. */
 void bench_table_maps(bench_table *out, const csm_config *config);
+/* Making and blurring moments, against the maps' passes of the configuration. */
+void bench_table_moments(bench_table *out, const csm_config *config);
 
 /*
  * The least that such a pass may take. It is drawn once, and gives its milliseconds on the GPU, or a negative number.

@@ -156,3 +156,34 @@ void bench_table_maps(bench_table *out, const csm_config *config) {
   clip->pancaking = CSM_PANCAKING_CLIP;
   add_fits(out);
 }
+
+/* Moments of four maps of 1024 texels a side, blurred. */
+static csm_config *add_moments(bench_table *table, const char *name, uint32_t filter, uint32_t radius) {
+  csm_config *config = add(table, name);
+  config->cascade_count = 4;
+  config->resolution = 1024;
+  config->filter = filter;
+  config->moment_blur_texels = radius;
+  config->moment_levels = 1;
+  config->moment_sampling = CSM_SAMPLING_BILINEAR;
+  return config;
+}
+
+void bench_table_moments(bench_table *out, const csm_config *config) {
+  *out = (bench_table){.name = "moments",
+                       .about = "moments of 4 maps of 1024 x 1024, made and blurred, to all maps of the configuration",
+                       .moments = true,
+                       .base = {.name = "maps", .config = *config}};
+  add_moments(out, "evsm4, radius 3", CSM_FILTER_EVSM4, 3);
+  add_moments(out, "evsm4, no blur", CSM_FILTER_EVSM4, 0);
+  add_moments(out, "evsm4, radius 3, half", CSM_FILTER_EVSM4, 3)->moment_format = CSM_MOMENTS_FLOAT16;
+  add_moments(out, "evsm4, radius 3, halved", CSM_FILTER_EVSM4, 3)->moment_halved = 1;
+  add_moments(out, "evsm4, radius 3, seen", CSM_FILTER_EVSM4, 3)->caster_set = CSM_CASTER_SET_VIEW;
+  add_moments(out, "evsm4, radius 3, 6 levels", CSM_FILTER_EVSM4, 3)->moment_levels = 6;
+  add_moments(out, "evsm4, radius 8", CSM_FILTER_EVSM4, 8);
+  add_moments(out, "evsm4, radius 32", CSM_FILTER_EVSM4, 32);
+  add_moments(out, "vsm, radius 3", CSM_FILTER_VSM, 3);
+  add_moments(out, "esm, radius 3", CSM_FILTER_ESM, 3);
+  add_moments(out, "evsm2, radius 3", CSM_FILTER_EVSM2, 3);
+  add_moments(out, "msm4, radius 3", CSM_FILTER_MSM4, 3);
+}

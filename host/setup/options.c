@@ -58,7 +58,7 @@ static const char help[] =
     "  --quick                     bench, report, measure --presets: 5 pairs instead of 31; report: 1, 2 and 4 maps of "
     "512 to 2048\n"
     "  --only PART                 bench: depth (the maps' frame, planning, switching), floors, filters, modes, maps, "
-    "or bare\n"
+    "moments, or bare\n"
     "                              (the 7 x 7 filter against 49 comparisons); all of them if none is named\n"
     "  --cascades LIST             report: numbers of maps; 1,2,3,4,5,6,7,8\n"
     "  --resolutions LIST          report: texels a side; 512,1024,2048,4096\n"
@@ -200,12 +200,12 @@ static int parse_sun_samples(host_options *out, const char *value) {
 }
 
 static int parse_only(host_options *out, const char *value) {
-  static const char *const parts[] = {"depth", "floors", "filters", "modes", "maps", "bare"};
+  static const char *const parts[] = {"depth", "floors", "filters", "modes", "maps", "moments", "bare"};
   out->only = value;
   for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
     if (strcmp(value, parts[i]) == 0)
       return 0;
-  return host_fail(HOST_BAD_INPUT, "--only: not depth, floors, filters, modes, maps or bare: '%s'", value);
+  return host_fail(HOST_BAD_INPUT, "--only: not depth, floors, filters, modes, maps, moments or bare: '%s'", value);
 }
 
 static int parse_scene(host_options *out, const char *value) {

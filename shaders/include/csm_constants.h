@@ -46,7 +46,7 @@
 /* Highest level; variance of where the blur's texels lie, in map's texels; most samples; texels of moments for one of the map */
 #define CSM_S_LEVELS 62
 #define CSM_S_SOFT 63      /* tangent of half the light's diameter, search taps, taps, most texels around */
-#define CSM_S_SOFT_MORE 64 /* penumbra, light's size as a share of a map, least texels around, the pattern's phase */
+#define CSM_S_SOFT_MORE 64 /* penumbra, light's size as a share of a map, least texels around, 1 + the pattern's phase where frames are mixed, else 0 */
 #define CSM_C_COUNT 65
 
 /*

@@ -339,6 +339,7 @@ float sampler_filter_spot(const sampler_spot *at) {
   spot.texel = at->texel;
   spot.metre = at->metre;
   spot.room = at->room;
+  spot.soft = 0;
   spot.cascade = 0;
   return csm_filter(spot);
 }

@@ -59,10 +59,8 @@ static csm_result make_targets(device *device, moment_image *image) {
   if (!image->targets)
     return CSM_ERROR_OUT_OF_MEMORY;
   for (uint32_t i = 0; i < count && !result; ++i) {
-    const gpu_target_info target = {.name = "moments",
-                                    .color = image->image,
-                                    .color_layer = i % image->layers,
-                                    .color_level = i / image->layers};
+    const gpu_target_info target = {
+        .name = "moments", .color = image->image, .color_layer = i % image->layers, .color_level = i / image->layers};
     result = device_check(device, gpu_target_create(device->gpu, &target, &image->targets[i]), "moments");
     image->target_count += !result;
   }

@@ -51,10 +51,9 @@ csm_result moment_programs_find(device *device, const csm_config *config, moment
   const int32_t width = (int32_t)shape.channels / 2, small = config->moment_blur_texels <= MOMENTS_SMALL_RADIUS;
   const bool blurs = config->moment_blur_texels > 0;
   *out = (moment_programs){.radius = config->moment_blur_texels};
-  csm_result result = find_program(device,
-                                   blurs ? shader_key_moments_rows(filter, half, halved, small)
-                                         : shader_key_moments(filter, half, halved),
-                                   &out->rows);
+  csm_result result = find_program(
+      device, blurs ? shader_key_moments_rows(filter, half, halved, small) : shader_key_moments(filter, half, halved),
+      &out->rows);
   if (blurs && !result)
     result = find_program(device, shader_key_moments_columns(width, half, small), &out->columns);
   if (shape.levels > 1 && !result)
@@ -177,8 +176,7 @@ static moment_list level_list(const moment_work *work, uint32_t level) {
   return level < 4 ? work->all : work->levels[level];
 }
 
-static void put_dispatch(char **at, const moment_image *image, moment_list list, uint32_t slice,
-                         const float pass[4]) {
+static void put_dispatch(char **at, const moment_image *image, moment_list list, uint32_t slice, const float pass[4]) {
   float block[MOMENTS_D_COUNT][4] = {{0}};
   block[MOMENTS_D_TILES][0] = (float)list.first;
   block[MOMENTS_D_TILES][1] = list.count ? (float)(list.count / rows_of(list.count)) : 0.0f;

@@ -23,13 +23,13 @@ typedef struct moment_list {
 /* The dispatches of one recording. */
 typedef struct moment_work {
   ring_range ring;
-  uint64_t tiles;                                /* where their list begins in the ring's buffer */
+  uint64_t tiles; /* where their list begins in the ring's buffer */
   uint32_t tile_bytes;
   input *inputs[MOMENT_STEPS];
-  moment_list all;                               /* to be made, of all cascades */
-  moment_list due[CSM_MAX_CASCADES];             /* of one */
-  moment_list spread[CSM_MAX_CASCADES];          /* the same, with those above and below, which a blur reads */
-  moment_list levels[MOMENT_LEVELS_MOST];        /* groups of 8 x 8 texels of a level beyond the third */
+  moment_list all;                        /* to be made, of all cascades */
+  moment_list due[CSM_MAX_CASCADES];      /* of one */
+  moment_list spread[CSM_MAX_CASCADES];   /* the same, with those above and below, which a blur reads */
+  moment_list levels[MOMENT_LEVELS_MOST]; /* groups of 8 x 8 texels of a level beyond the third */
 } moment_work;
 
 /* Bytes of the ring. */
