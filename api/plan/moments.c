@@ -43,24 +43,27 @@ void plan_moments_make(plan_moments *out, const csm_config *config) {
 
 /* ---- what moments are off by ---- */
 
-/* How a number of a format is rounded: by a share of it, and by less than its last place when it is 1 at most. */
+/* How a number of a format is rounded: by a share of it, and by no more than that if it is 1 at most. */
 typedef struct rounding {
   double share, most;
 } rounding;
 
-#define UNIT 0x1p-24 /* of a float32, which all arithmetic is done in */
+#define UNIT 0x1p-24 /* of a float32, to the nearest, which all arithmetic is done in */
 
+/* Direct3D stores a float16 rounded towards zero, and some drivers of Vulkan do: off by a whole last place, not by half. */
 static rounding rounding_of(const csm_config *config) {
-  const double share = config->moment_format == CSM_MOMENTS_FLOAT16 ? 0x1p-11 : UNIT;
+  const double share = config->moment_format == CSM_MOMENTS_FLOAT16 ? 0x1p-10 : UNIT;
   return (rounding){.share = share, .most = share / 2.0};
 }
 
 /*
- * How often a moment is rounded to the format. A blur has two passes. What a level averages is off by half as much as
- * its four texels are, in the root of the mean square, so levels add no more than two of one rounding in all.
+ * How often a moment is stored. A blur has two passes. Of what a level averages, float32's errors to either side are half
+ * of what its four texels' are, in the root of the mean square, so levels add no more than two of one rounding in all;
+ * float16's go all to one side, and add up.
  */
 static double stores(const csm_config *config) {
-  return config->moment_blur_texels > 0 || config->moment_levels > 1 ? 3.0 : 1.0;
+  const double blurs = config->moment_blur_texels > 0 ? 2.0 : 0.0, levels = config->moment_levels - 1.0;
+  return 1.0 + (config->moment_format == CSM_MOMENTS_FLOAT16 ? blurs + levels : fmax(blurs, fmin(levels, 2.0)));
 }
 
 /* How often, at most, a float32 is rounded that sums samples and levels up, is mixed with another, and compared. */

@@ -53,18 +53,23 @@ csm_config moment_config(const moment_case *c) {
 
 /* ---- formats ---- */
 
-static float rounded_to_half(float v) {
+/* `directed`: towards zero, as Direct3D stores it. */
+static float rounded_to_half(float v, bool directed) {
   if (v == 0.0f || !isfinite(v))
     return v;
   int exponent;
   (void)frexpf(v, &exponent);
   const double unit = ldexp(1.0, (exponent < -13 ? -13 : exponent) - 11);
-  const double nearest = nearbyint((double)v / unit) * unit;
+  const double nearest = (directed ? trunc((double)v / unit) : nearbyint((double)v / unit)) * unit;
   return fabs(nearest) > 65504.0 ? copysignf(INFINITY, v) : (float)nearest;
 }
 
 float moment_rounded(uint32_t format, float v) {
-  return format == CSM_MOMENTS_FLOAT16 ? rounded_to_half(v) : v;
+  return format == CSM_MOMENTS_FLOAT16 ? rounded_to_half(v, false) : v;
+}
+
+static float stored(const moment_map *map, float v) {
+  return map->config.moment_format == CSM_MOMENTS_FLOAT16 ? rounded_to_half(v, !map->nearest) : v;
 }
 
 /* ---- images ---- */
@@ -103,7 +108,7 @@ static void blur(const moment_map *map, float *to, const float *from, int right,
         float sum = 0.0f;
         for (int i = -radius; i <= radius; ++i)
           sum += from[(inside(y + i * down) * moment_side + inside(x + i * right)) * 4 + k] - middle;
-        to[(y * moment_side + x) * 4 + k] = moment_rounded(map->config.moment_format, fmaf(weight, sum, middle));
+        to[(y * moment_side + x) * 4 + k] = stored(map, fmaf(weight, sum, middle));
       }
 }
 
@@ -113,7 +118,7 @@ static void bring_down(const moment_map *map, float *to, const float *from, int 
       for (int k = 0; k < 4; ++k) {
         const float *four = &from[(2 * y * 2 * side + 2 * x) * 4 + k];
         const float sum = (four[0] + four[4]) + (four[8 * side] + four[8 * side + 4]);
-        to[(y * side + x) * 4 + k] = moment_rounded(map->config.moment_format, 0.25f * sum);
+        to[(y * side + x) * 4 + k] = stored(map, 0.25f * sum);
       }
 }
 
@@ -136,7 +141,7 @@ void moment_map_make(moment_map *map, const float *depths) {
     for (int i = 0; i < moment_side * moment_side; ++i) {
       sampler_moments_of(&passes[0][i * 4], depths[i], (float)layer);
       for (int k = 0; k < 4; ++k)
-        passes[0][i * 4 + k] = moment_rounded(map->config.moment_format, passes[0][i * 4 + k]);
+        passes[0][i * 4 + k] = stored(map, passes[0][i * 4 + k]);
     }
     if (map->config.moment_blur_texels) {
       blur(map, passes[1], passes[0], 1, 0);
@@ -162,7 +167,7 @@ void moment_map_mix(moment_map *map, float nearer, float farther, double share) 
       sampler_moments_of(b, farther, (float)layer);
       for (int k = 0; k < 4; ++k) {
         const double mean = share * (double)a[k] + (1.0 - share) * (double)b[k];
-        mixed[k] = moment_rounded(map->config.moment_format, (float)mean);
+        mixed[k] = stored(map, (float)mean);
       }
       const int side = moment_side >> level;
       for (int i = 0; i < side * side; ++i, texel += 4)

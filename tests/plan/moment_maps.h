@@ -13,6 +13,7 @@ typedef struct moment_map {
   csm_config config;
   csm_constants constants;
   uint32_t levels;
+  bool nearest;                /* whether float16 is stored as the nearest, and not rounded towards zero */
   float texels[moment_floats]; /* as sampler_bind_moments takes them */
 } moment_map;
 
