@@ -31,9 +31,14 @@ static bool is_warped(const csm_config *config) {
   return config->filter >= CSM_FILTER_ESM && config->filter <= CSM_FILTER_EVSM4;
 }
 
-/* How often a moment is stored, which rounds it: when it is made, and by each way of a blur or by levels. */
+/*
+ * How often a moment is stored: when it is made, by each way of a blur, and by each level. Stores of 16 bits may round
+ * towards zero, so that all errors are to one side and add up; of 32 bits a level's are half of those before, and no more
+ * than two count.
+ */
 static double stores(const csm_config *config) {
-  return config->moment_blur_texels > 0 || config->moment_levels > 1 ? 3.0 : 1.0;
+  const double blurs = config->moment_blur_texels > 0 ? 2.0 : 0.0, levels = config->moment_levels - 1.0;
+  return 1.0 + (config->moment_format == CSM_MOMENTS_FLOAT16 ? blurs + levels : fmax(blurs, fmin(levels, 2.0)));
 }
 
 /* How often a float is rounded that sums levels and samples up, is mixed with another, and compared. */
@@ -47,12 +52,12 @@ static bool is_packed(const csm_config *config) {
 }
 
 /*
- * What a moment is off by, as a share of itself, or, where it is 1 at most, at all: half of the last of 11 or 24 bits
- * for each time that it is stored, and of 24 bits for each step of the arithmetic. What is stored as sums of half its
+ * What a moment is off by, as a share of itself, or, where it is 1 at most, at all: the last of 11 bits, or half of the
+ * last of 24, for each time that it is stored, and half of the last of 24 for each step of the arithmetic. What is stored as sums of half its
  * size is told from them as unpack does: an odd moment 1/3 + sqrt(3) times as well, an even one 1.125 times.
  */
 static double moment_error(const csm_config *config, uint32_t moment) {
-  const double share = config->moment_format == CSM_MOMENTS_FLOAT16 ? 0x1p-11 : 0x1p-24;
+  const double share = config->moment_format == CSM_MOMENTS_FLOAT16 ? 0x1p-10 : 0x1p-24;
   const double packed = moment % 2 ? 1.125 / 2.0 : (1.0 / 3.0 + sqrt(3.0)) / 2.0;
   return (stores(config) * share * (is_packed(config) ? packed : 1.0) + sums(config) * 0x1p-24) *
          (is_warped(config) ? 1.0 : 0.5);
