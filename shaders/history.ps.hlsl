@@ -23,8 +23,8 @@ static history_inputs inputs;
 
 // How far from the mean of what is around it a history may be, in deviations of a pixel's noise, of which the mean has 3 / 8:
 // the weights' squares add up to 9 / 64. And what share of its frames it loses for each unit that it was farther off.
-#define HISTORY_REACH 0.3
-#define HISTORY_STALE 8.0
+#define HISTORY_REACH 0.75
+#define HISTORY_STALE 4.0
 
 float place_row(float4 row, float2 place, float depth)
 {

@@ -14,6 +14,6 @@ void main(uint3 group : SV_GroupID, uint thread : SV_GroupIndex)
     [loop] for (int i = 0; i < MOMENTS_RUN * MOMENTS_RUN; ++i)
     {
         int column = x + (i & (MOMENTS_RUN - 1)), row = y + i / MOMENTS_RUN;
-        to[int3(column, row, layer)] = moments_at(column, row);
+        to[int3(column, row, layer)] = stored(moments_at(column, row));
     }
 }

@@ -17,12 +17,12 @@ void main(uint3 group : SV_GroupID, uint thread : SV_GroupIndex)
     line_at = min(t.begin.x + int(thread), last);
     int y = min(t.begin.y + int(group.z) * MOMENTS_RUN, t.side - MOMENTS_RUN);
     moments_run run = blurred_run(y, int(dispatch_c[MOMENTS_D_PASS].x));
-    to[int3(line_at, y, layer)] = run.a;
-    to[int3(line_at, y + 1, layer)] = run.b;
-    to[int3(line_at, y + 2, layer)] = run.c;
-    to[int3(line_at, y + 3, layer)] = run.d;
-    to[int3(line_at, y + 4, layer)] = run.e;
-    to[int3(line_at, y + 5, layer)] = run.f;
-    to[int3(line_at, y + 6, layer)] = run.g;
-    to[int3(line_at, y + 7, layer)] = run.h;
+    to[int3(line_at, y, layer)] = stored(run.a);
+    to[int3(line_at, y + 1, layer)] = stored(run.b);
+    to[int3(line_at, y + 2, layer)] = stored(run.c);
+    to[int3(line_at, y + 3, layer)] = stored(run.d);
+    to[int3(line_at, y + 4, layer)] = stored(run.e);
+    to[int3(line_at, y + 5, layer)] = stored(run.f);
+    to[int3(line_at, y + 6, layer)] = stored(run.g);
+    to[int3(line_at, y + 7, layer)] = stored(run.h);
 }

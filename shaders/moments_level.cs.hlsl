@@ -14,5 +14,5 @@ void main(uint3 group : SV_GroupID, uint thread : SV_GroupIndex)
     int y = min(t.begin.y + (part / parts) * 8 + int(thread >> 3u), last);
     MOMENTS above = from.Load(int4(2 * x, 2 * y, layer, 0)) + from.Load(int4(2 * x + 1, 2 * y, layer, 0));
     MOMENTS below = from.Load(int4(2 * x, 2 * y + 1, layer, 0)) + from.Load(int4(2 * x + 1, 2 * y + 1, layer, 0));
-    to[int3(x, y, layer)] = (above + below) * 0.25;
+    to[int3(x, y, layer)] = stored((above + below) * 0.25);
 }

@@ -15,12 +15,12 @@ void main(uint3 group : SV_GroupID, uint thread : SV_GroupIndex)
     line_at = min(t.begin.y + int(thread), last);
     int x = min(t.begin.x + int(group.z) * MOMENTS_RUN, t.side - MOMENTS_RUN);
     moments_run run = blurred_run(x, int(dispatch_c[MOMENTS_D_PASS].x));
-    to[int3(x, line_at, 0)] = run.a;
-    to[int3(x + 1, line_at, 0)] = run.b;
-    to[int3(x + 2, line_at, 0)] = run.c;
-    to[int3(x + 3, line_at, 0)] = run.d;
-    to[int3(x + 4, line_at, 0)] = run.e;
-    to[int3(x + 5, line_at, 0)] = run.f;
-    to[int3(x + 6, line_at, 0)] = run.g;
-    to[int3(x + 7, line_at, 0)] = run.h;
+    to[int3(x, line_at, 0)] = stored(run.a);
+    to[int3(x + 1, line_at, 0)] = stored(run.b);
+    to[int3(x + 2, line_at, 0)] = stored(run.c);
+    to[int3(x + 3, line_at, 0)] = stored(run.d);
+    to[int3(x + 4, line_at, 0)] = stored(run.e);
+    to[int3(x + 5, line_at, 0)] = stored(run.f);
+    to[int3(x + 6, line_at, 0)] = stored(run.g);
+    to[int3(x + 7, line_at, 0)] = stored(run.h);
 }

@@ -282,7 +282,7 @@ static const plan_config_entry entries[] = {
     ENTRY(moment_halved, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = 1, .default_value = 0,
           .unit = "", .values = switches, .about = "Whether moments have half as many texels a side as the maps."),
     ENTRY(moment_exponent, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.1, .maximum = 100.0,
-          .default_value = 40.0, .unit = "1",
+          .default_value = 80.0, .unit = "1",
           .about = "Filters esm, evsm2 and evsm4: c of exp(c z), z from -1 to 1 over the depth range; at most what "
                    "moment_format holds."),
     ENTRY(moment_exponent_negative, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.1, .maximum = 100.0,

@@ -28,31 +28,48 @@ static uint32_t count_ways(void) {
   return report_filter_count() * count_values("bias_mode");
 }
 
-/* The base with another filter and bias mode. False where they contradict each other, or what else the base says. */
-static bool change_way(csm_config *out, const csm_config *base, uint32_t way) {
+/*
+ * The base with another filter and bias mode. False where they contradict each other, or what else the base says, or
+ * where the smallest map that is swept has no room for the filter: shapes have the same ways.
+ */
+static bool change_way(csm_config *out, const csm_config *base, uint32_t least_resolution, uint32_t way) {
   const uint32_t bias_modes = count_values("bias_mode");
   const char *error;
   *out = *base;
   out->filter = way / bias_modes;
   out->bias_mode = way % bias_modes;
-  return plan_config_check(out, &error) == CSM_SUCCESS;
+  csm_config smallest = *out;
+  smallest.resolution = least_resolution < base->resolution ? least_resolution : base->resolution;
+  return plan_config_check(out, &error) == CSM_SUCCESS && plan_config_check(&smallest, &error) == CSM_SUCCESS;
 }
 
-static uint32_t count_sound_ways(const csm_config *base) {
+static uint32_t least_of(const options_list *list) {
+  uint32_t least = list->values[0];
+  for (uint32_t i = 1; i < list->count; i++)
+    least = list->values[i] < least ? list->values[i] : least;
+  return least;
+}
+
+static uint32_t count_sound_ways(const csm_config *base, uint32_t least_resolution) {
   csm_config unused;
   uint32_t count = 0;
   for (uint32_t way = 0; way < count_ways(); way++)
-    count += change_way(&unused, base, way);
+    count += change_way(&unused, base, least_resolution, way);
   return count;
 }
 
-static void add_shape(report_sweep *out, const csm_config *base, uint32_t cascades, uint32_t resolution) {
+/* A shape of maps, and the smallest there is. */
+typedef struct shape {
+  uint32_t cascades, resolution, least_resolution;
+} shape;
+
+static void add_shape(report_sweep *out, const csm_config *base, const shape *s) {
   for (uint32_t way = 0; way < count_ways(); way++) {
     csm_config config;
-    if (!change_way(&config, base, way))
+    if (!change_way(&config, base, s->least_resolution, way))
       continue;
-    config.cascade_count = cascades;
-    config.resolution = resolution;
+    config.cascade_count = s->cascades;
+    config.resolution = s->resolution;
     if (memcmp(&config, base, sizeof *base) == 0)
       out->base = out->count;
     out->points[out->count++].config = config;
@@ -61,17 +78,18 @@ static void add_shape(report_sweep *out, const csm_config *base, uint32_t cascad
 
 void report_sweep_make(report_sweep *out, const host_options *options, const csm_config *base) {
   const uint32_t shapes = options->cascades.count * options->resolutions.count + 1;
+  const uint32_t least = least_of(&options->resolutions);
   bool has_base = false;
-  *out = (report_sweep){.per_shape = count_sound_ways(base)};
+  *out = (report_sweep){.per_shape = count_sound_ways(base, least)};
   out->points = host_allocate((size_t)shapes * out->per_shape, sizeof *out->points);
   for (uint32_t c = 0; c < options->cascades.count; c++)
     for (uint32_t r = 0; r < options->resolutions.count; r++) {
-      const uint32_t cascades = options->cascades.values[c], resolution = options->resolutions.values[r];
-      has_base = has_base || (cascades == base->cascade_count && resolution == base->resolution);
-      add_shape(out, base, cascades, resolution);
+      const shape s = {options->cascades.values[c], options->resolutions.values[r], least};
+      has_base = has_base || (s.cascades == base->cascade_count && s.resolution == base->resolution);
+      add_shape(out, base, &s);
     }
   if (!has_base)
-    add_shape(out, base, base->cascade_count, base->resolution);
+    add_shape(out, base, &(shape){base->cascade_count, base->resolution, least});
 }
 
 void report_sweep_free(report_sweep *sweep) {
@@ -84,6 +102,8 @@ void report_sweep_free(report_sweep *sweep) {
 static int time_point(report_point *point, stage *s, uint32_t backend, uint32_t round) {
   stage_stats stats;
   int code = stage_configure(s, &point->config);
+  if (code == 0 && plan_has_moments(&point->config))
+    code = stage_stir(s);
   if (code == 0)
     code = stage_draw(s, &stats);
   if (code)
@@ -150,7 +170,7 @@ static int warm_up(report_sweep *sweep, const report_studio *studio, uint32_t fi
   int code = 0;
   for (uint32_t p = first; p < first + points; p++)
     for (uint32_t b = 0; code == 0 && b < studio->stage_count; b++)
-      code = time_point(&sweep->points[p], &studio->stages[b], b, 0);
+      code = time_point(&sweep->points[p], &studio->stages[b], b, sweep->rounds);
   return code;
 }
 

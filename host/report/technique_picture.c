@@ -33,10 +33,15 @@ static double *sum_softness(const metrics_frame *frame) {
   return sums;
 }
 
+/* Of a side, but no more than that and at least a pixel. */
+static uint32_t quarter_of(uint32_t side, uint32_t most) {
+  const uint32_t quarter = side / 4 ? side / 4 : 1;
+  return quarter < most ? quarter : most;
+}
+
 report_crop report_crop_choose(const metrics_frame *frame) {
   const uint32_t width = frame->view->width, height = frame->view->height;
-  report_crop crop = {.width = width < crop_width ? width : crop_width,
-                      .height = height < crop_height ? height : crop_height};
+  report_crop crop = {.width = quarter_of(width, crop_width), .height = quarter_of(height, crop_height)};
   const size_t stride = (size_t)width + 1, down = crop.height * stride;
   double *sums = sum_softness(frame), most = -1.0;
   for (uint32_t y = 0; y + crop.height <= height; y++)

@@ -87,22 +87,25 @@ void stage_close(stage *s) {
   *s = (stage){0};
 }
 
-/* The instances stay in a scene: no frame moves them. */
-static csm_result place_instances(stage *s, const scene *from) {
+/* Adds the instances, or moves those that are there to their places. */
+static csm_result place_instances(stage *s, const scene *from, bool add) {
   const uint32_t count = (uint32_t)from->instance_count;
   csm_instance *instances = host_allocate(count, sizeof *instances);
-  s->instances = host_allocate(count, sizeof *s->instances);
   for (uint32_t i = 0; i < count; i++) {
     instances[i] = (csm_instance){.struct_size = sizeof *instances, .mesh = s->assets.meshes[from->instances[i].mesh]};
     memcpy(instances[i].transform, from->instances[i].transform, sizeof instances[i].transform);
   }
   const csm_scene_batch batch = {
       .struct_size = sizeof batch, .count = count, .ids = s->instances, .instances = instances};
-  csm_result result = csm_scene_create(s->context, &s->scene);
-  if (result == CSM_SUCCESS && count)
-    result = csm_scene_add(s->scene, &batch);
+  csm_result result = CSM_SUCCESS;
+  if (count)
+    result = add ? csm_scene_add(s->scene, &batch) : csm_scene_move(s->scene, &batch);
   free(instances);
   return result;
+}
+
+int stage_stir(stage *s) {
+  return exit_code(place_instances(s, &s->setup->scene, false));
 }
 
 csm_camera stage_camera(const camera *from) {
@@ -128,8 +131,11 @@ int stage_load(stage *s, const host_setup *setup) {
   s->camera = stage_camera(&setup->camera);
   s->light = stage_light(&setup->light);
   csm_result result = assets_upload(&s->assets, s->context, &setup->scene);
+  s->instances = host_allocate(setup->scene.instance_count, sizeof *s->instances);
   if (result == CSM_SUCCESS)
-    result = place_instances(s, &setup->scene);
+    result = csm_scene_create(s->context, &s->scene);
+  if (result == CSM_SUCCESS)
+    result = place_instances(s, &setup->scene, true);
   s->frame = (csm_frame){.struct_size = sizeof s->frame, .camera = &s->camera, .light = &s->light, .scene = s->scene};
   if (result == CSM_SUCCESS)
     result = csm_view_create(s->context, &s->view);
@@ -295,8 +301,11 @@ int stage_capture(stage *s, stage_frame *out) {
   const csm_config *config = &s->setup->config;
   for (uint32_t i = TIMED_FRAMES + 1; config->history && code == 0 && i < config->history_frames; i++)
     code = stage_draw(s, &timed[0]);
-  for (int i = 0; code == 0 && i < TIMED_FRAMES; i++)
-    code = stage_draw(s, &timed[i]);
+  for (int i = 0; code == 0 && i < TIMED_FRAMES; i++) {
+    code = timed[0].maps.moment_bytes ? stage_stir(s) : 0;
+    if (code == 0)
+      code = stage_draw(s, &timed[i]);
+  }
   if (code == 0)
     code = stage_read(s, true, out);
   if (code == 0)

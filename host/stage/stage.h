@@ -71,6 +71,12 @@ csm_light stage_light(const scene_light *from);
 /* Where the frames that follow are seen from. */
 void stage_look(stage *s, const camera *from);
 
+/*
+ * Moves every instance to where it is, so that the next frame makes all that it sees: moments of maps that come out as
+ * they were are kept, and a scene that stands still would get them for nothing. 0, or a code after a message.
+ */
+int stage_stir(stage *s);
+
 /* Draws the cascades once and waits. 0, or a code after a message. */
 int stage_render(stage *s);
 

@@ -93,10 +93,10 @@ static const char *filter_name(uint32_t filter) {
 static void describe(const view *v, char *text, size_t size) {
   const csm_config *config = &v->setup.config;
   const stage_stats *stats = &v->frame.stats;
-  snprintf(text, size, "%s on %s: %u x %u², %s: maps %.0f ms, mask %.0f ms; frame %.0f + %.0f ms; %s",
+  snprintf(text, size, "%s on %s: %u x %u², %s: maps %.0f ms, moments %.0f ms, mask %.0f ms; frame %.0f + %.0f ms; %s",
            v->setup.scene.name, v->stage.backend, config->cascade_count, config->resolution,
-           filter_name(config->filter), stage_maps_ms(stats), stage_view_ms(stats), v->draw_ms, v->picture_ms,
-           shown_names[v->shown]);
+           filter_name(config->filter), stage_maps_ms(stats), stage_moments_ms(stats), stage_view_ms(stats), v->draw_ms,
+           v->picture_ms, shown_names[v->shown]);
 }
 
 /* These cast rays from outside, which takes longer than the others. */
@@ -169,18 +169,24 @@ static void take_traced(view *v) {
 
 /* ---- keys ---- */
 
-/* Settings that the library refuses are told by its log, and the old ones hold. */
-static void configure(view *v, const csm_config *wanted) {
+/* Settings that the library refuses are told by its log, and the old ones hold. False then. */
+static bool configure(view *v, const csm_config *wanted) {
   if (stage_configure(&v->stage, wanted))
-    return;
+    return false;
   v->setup.config = *wanted;
   v->redraw = true;
+  return true;
 }
 
+/* Filters that do not go with the other settings are passed over. */
 static void next_filter(view *v) {
   csm_config wanted = v->setup.config;
-  wanted.filter = filter_name(wanted.filter + 1) ? wanted.filter + 1 : 0;
-  configure(v, &wanted);
+  const uint32_t now = wanted.filter;
+  v->stage.quiet = true;
+  do
+    wanted.filter = filter_name(wanted.filter + 1) ? wanted.filter + 1 : 0;
+  while (wanted.filter != now && !configure(v, &wanted));
+  v->stage.quiet = false;
 }
 
 static void next_resolution(view *v) {

@@ -50,6 +50,16 @@ StructuredBuffer<uint> tiles : register(t8);
 #endif
 RWTexture2DArray<MOMENTS> to : register(u0);
 
+// To the nearest float of 16 bits, for a device may round what it stores either way. None comes near the largest one.
+MOMENTS stored(MOMENTS m)
+{
+#if MOMENTS_HALF
+    return asfloat((asuint(m) + 0x1000u) & 0xffffe000u);
+#else
+    return m;
+#endif
+}
+
 struct tile
 {
     int2 begin;

@@ -1,6 +1,6 @@
 // forward.ps.hlsl in GLSL, with names of its own and a sampler apart. FORWARD_WAY: 0 compares, 1 reads depths, 2 is fixed to
-// a configuration, 3 has two lights, one of them with depths alone, 4 asks for points, 5 has moments, and tells how the
-// position changes.
+// a configuration, 3 has two lights, one of them with depths alone, 4 asks for points, 5 is fixed to
+// FORWARD_FILTER, has moments, and tells how the position changes.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "csm_constants.h"
@@ -55,7 +55,8 @@ float visibility(vec3 position)
 #elif FORWARD_WAY == 5
 #define CSM_DEPTHS sampler2DArray(sun_maps, sun_point)
 #define CSM_MOMENTS sampler2DArray(sun_moments, sun_linear)
-#define CSM_SOFT 1
+#define CSM_FILTER FORWARD_FILTER
+#include "forward_plain.h"
 #endif
 #define CSM_CONSTANTS sun.constants
 #define CSM_MAPS sun_maps
@@ -66,8 +67,6 @@ float visibility(vec3 position)
 {
 #if FORWARD_WAY == 4
     return csm_visibility_point(position, csm_view_depth(position));
-#elif FORWARD_WAY == 5
-    return csm_visibility_grad(position, plane[3].xyz, csm_view_depth(position), dFdx(position), dFdy(position));
 #else
     return csm_visibility(position, plane[3].xyz, csm_view_depth(position));
 #endif
@@ -76,8 +75,20 @@ float visibility(vec3 position)
 
 layout(location = 0) out float lit;
 
+vec3 position_at(vec2 screen)
+{
+    vec4 p = plane[0] + screen.x * plane[1] + screen.y * plane[2];
+    return p.xyz / p.w;
+}
+
 void main()
 {
-    vec4 p = plane[0] + gl_FragCoord.x * plane[1] + gl_FragCoord.y * plane[2];
-    lit = visibility(p.xyz / p.w);
+    vec3 position = position_at(gl_FragCoord.xy);
+#if FORWARD_WAY == 5
+    vec3 across = position_at(gl_FragCoord.xy + vec2(1.0, 0.0)) - position;
+    vec3 down = position_at(gl_FragCoord.xy + vec2(0.0, 1.0)) - position;
+    lit = csm_visibility_grad(position, plane[3].xyz, csm_view_depth(position), across, down);
+#else
+    lit = visibility(position);
+#endif
 }

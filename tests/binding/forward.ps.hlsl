@@ -59,15 +59,7 @@ Texture2DArray<float4> csm_moments : register(t1);
 #else
 #define CSM_FILTER CSM_FILTER_PCSS
 #endif
-#define CSM_BIAS_MODE CSM_BIAS_RECEIVER_PLANE
-#define CSM_BIAS_UNITS 0
-#define CSM_NORMAL_OFFSET_ON 0
-#define CSM_SELECTION CSM_SELECT_MAP
-#define CSM_OUT_OF_RANGE CSM_OUT_OF_RANGE_LIT
-#define CSM_BLENDING CSM_BLEND_OFF
-#define CSM_MAPS_ALIKE 1
-#define CSM_MAPS_REVERSED 0
-#define CSM_CASCADES 3
+#include "forward_plain.h"
 #endif
 #include "csm_sample.hlsl"
 
@@ -75,16 +67,30 @@ float visibility(float3 position)
 {
 #if FORWARD_WAY == 4
     return csm_visibility_point(position, csm_view_depth(position));
-#elif FORWARD_WAY >= 5
-    return csm_visibility_grad(position, plane[3].xyz, csm_view_depth(position), ddx(position), ddy(position));
 #else
     return csm_visibility(position, plane[3].xyz, csm_view_depth(position));
 #endif
 }
 #endif
 
+#if FORWARD_WAY >= 5
+float3 position_at(float2 screen)
+{
+    float4 p = plane[0] + screen.x * plane[1] + screen.y * plane[2];
+    return p.xyz / p.w;
+}
+
+float main(float4 screen : SV_Position) : SV_Target
+{
+    float3 position = position_at(screen.xy);
+    float3 across = position_at(screen.xy + float2(1.0, 0.0)) - position;
+    float3 down = position_at(screen.xy + float2(0.0, 1.0)) - position;
+    return csm_visibility_grad(position, plane[3].xyz, csm_view_depth(position), across, down);
+}
+#else
 float main(float4 screen : SV_Position) : SV_Target
 {
     float4 p = plane[0] + screen.x * plane[1] + screen.y * plane[2];
     return visibility(p.xyz / p.w);
 }
+#endif

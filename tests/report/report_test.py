@@ -115,8 +115,9 @@ def shape(configuration):
 def check_scene(scene, shapes, rounds):
     points = scene['configurations']
     assert not is_soft(scene)
+    small = min(r for _, r in shapes) < 128  # maps without room for what reaches 32 texels
     wanted = {(c, r, f, b) for c, r in shapes for f in FILTERS for b in BIAS_MODES
-              if (f, b) != ('linear_depth', 'receiver_plane')}
+              if (f, b) != ('linear_depth', 'receiver_plane') and not (small and f in ('pcss', 'backprojection'))}
     assert len(points) == len(wanted) and {shape(p) for p in points} == wanted
     check_points(scene, rounds)
 
@@ -198,19 +199,20 @@ assert shape(own['scenes'][0]['configurations'][own['scenes'][0]['base']]) == (3
 
 # Soft suns, two scenes: every filter, and the presets that are named. Scenes under one sun are judged together.
 other = write_gltf(at('other.gltf'), ground + box((-3, 0, -3), (-2, 6, 4)))
+json.dump({'cascade_count': 3, 'resolution': 256, 'filter': 'pcf_2x2'}, open(at('soft.json'), 'w'))
 run(*small, '--scene', other, '--shadow-distance', '200', '--suns', '0,3', '--sun-samples', '16', '--cascades', '1', '--resolutions',
-    '64', '--config', at('own.json'), '--presets', 'low,godot', '--minutes', '1e-9', '--out', at('soft'))
+    '128', '--config', at('soft.json'), '--presets', 'low,godot', '--minutes', '1e-9', '--out', at('soft'))
 soft = load('soft')
 assert [(s['scene'], s['light']['disc_deg']) for s in soft['scenes']] == [(scene, 0), (scene, 3), (other, 0), (other, 3)]
 for one in soft['scenes'][::2]:
-    check_scene(one, [(1, 64), (3, 64)], 1)
+    check_scene(one, [(1, 128), (3, 256)], 1)
 for one in soft['scenes'][1::2]:
     check_points(one, 1)
     points, names = one['configurations'], [p['name'] for p in one['configurations']]
     assert one['error'] == 'rmse' and one['truth']['rays'] == 16 and 0 < one['truth']['noise'] < 0.05
     assert names[0] == '--config' and len(set(names)) == len(names) and [p['name'] for p in points if p['preset']] == ['low', 'godot']
     assert {p['filter'] for p in points} == {*FILTERS, 'vssm'}, {p['filter'] for p in points}
-    assert all(shape(p)[:2] == (3, 64) for p in points if not p['preset'])
+    assert all(shape(p)[:2] == (3, 256) for p in points if not p['preset'])
 assert [(v['disc_deg'], v['scenes']) for v in soft['all']] == [(0, [0, 2]), (3, [1, 3])]
 assert all(v['front'] and v['knee'] in v['front'] for v in soft['all'])
 

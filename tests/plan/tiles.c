@@ -1,0 +1,113 @@
+/* tiles.c: which tiles of a cascade's moments a camera looks at, and when a cascade is as it was. */
+#include "support.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MOST = 64 * 64, CAMERAS = 200, POINTS = 200 };
+
+static csm_config view_config(random_state *random) {
+  csm_config config = default_config();
+  config.filter = CSM_FILTER_EVSM4;
+  config.moment_blur_texels = random_below(random, 9);
+  config.caster_set = CSM_CASTER_SET_VIEW;
+  config.resolution = 256 + random_below(random, 1024);
+  return config;
+}
+
+/* A point that the camera sees lies in a tile that is seen, in every cascade whose map holds it. */
+static void what_is_seen_is_among_them(void **state) {
+  (void)state;
+  random_state random = {1};
+  static uint8_t tiles[MOST];
+  uint32_t left_out = 0;
+  for (int i = 0; i < CAMERAS; ++i) {
+    const csm_config config = view_config(&random);
+    const test_camera camera = random_camera(&random, 100);
+    double light[3];
+    random_unit(&random, light);
+    const plan_frame frame = plan_empty(&config, &camera, light);
+    for (uint32_t cascade = 0; cascade < frame.cascade_count && !frame.unshadowed; ++cascade) {
+      const uint32_t side = config.resolution, across = plan_tiles_across(side);
+      plan_seen_tiles(tiles, &frame, &config, cascade, side);
+      for (uint32_t k = 0; k < across * across; ++k)
+        left_out += !tiles[k];
+      for (int k = 0; k < POINTS; ++k) {
+        double point[3], at[3];
+        slice_point(&random, &camera, &frame.cascades[random_below(&random, frame.cascade_count)].info, point);
+        transform_point(frame.cascades[cascade].info.world_to_shadow, point, at);
+        if (!(at[0] >= 0 && at[0] < 1 && at[1] >= 0 && at[1] < 1))
+          continue;
+        const uint32_t x = (uint32_t)(at[0] * side) / PLAN_TILE, y = (uint32_t)(at[1] * side) / PLAN_TILE;
+        assert_int_equal(tiles[y * across + x], 1);
+      }
+    }
+  }
+  assert_true(left_out > 1000);
+}
+
+/* For views that see all, nothing is left out. */
+static void maps_are_whole(void **state) {
+  (void)state;
+  random_state random = {2};
+  static uint8_t tiles[MOST];
+  csm_config config = view_config(&random);
+  config.caster_set = CSM_CASTER_SET_MAP;
+  const test_camera camera = plain_camera();
+  const plan_frame frame = plan_empty(&config, &camera, (const double[3]){1, -2, 0.5});
+  plan_seen_tiles(tiles, &frame, &config, 0, config.resolution);
+  for (uint32_t k = 0; k < plan_tiles_across(config.resolution) * plan_tiles_across(config.resolution); ++k)
+    assert_int_equal(tiles[k], 1);
+}
+
+static void a_blur_has_the_sum_1(void **state) {
+  (void)state;
+  csm_config config = default_config();
+  for (uint32_t radius = 0; radius <= 32; ++radius)
+    for (uint32_t kind = CSM_BLUR_BOX; kind <= CSM_BLUR_GAUSSIAN; ++kind) {
+      double weights[65], sum = 0.0;
+      config.moment_blur = kind;
+      config.moment_blur_texels = radius;
+      plan_blur_weights(weights, &config);
+      for (uint32_t i = 0; i <= 2 * radius; ++i) {
+        sum += weights[i];
+        assert_true(weights[i] > 0.0 && weights[i] == weights[2 * radius - i]);
+        const double share = radius ? ((double)i - radius) / (radius / 2.0) : 0.0;
+        const double expected = kind == CSM_BLUR_GAUSSIAN ? exp(-0.5 * share * share) : 1.0;
+        assert_true(fabs(weights[i] / weights[radius] - expected) < 1e-12);
+      }
+      assert_true(fabs(sum - 1.0) < 1e-12);
+    }
+}
+
+/* A light that turns, and another camera, make another map. */
+static void another_place_is_another_map(void **state) {
+  (void)state;
+  const csm_config config = default_config();
+  const plan_scene scene = {0};
+  test_camera camera = plain_camera();
+  const plan_frame first = plan_empty(&config, &camera, (const double[3]){1, -2, 0.5});
+  const plan_frame again = plan_empty(&config, &camera, (const double[3]){1, -2, 0.5});
+  const plan_frame turned = plan_empty(&config, &camera, (const double[3]){1, -2, 0.501});
+  camera.eye[0] += 40;
+  const plan_frame moved = plan_empty(&config, &camera, (const double[3]){1, -2, 0.5});
+  plan_frame without = first;
+  without.unshadowed = true;
+  for (uint32_t i = 0; i < config.cascade_count; ++i) {
+    assert_true(plan_cascade_same(&first, &again, i, &scene, 0));
+    assert_false(plan_cascade_same(&first, &turned, i, &scene, 0));
+    assert_false(plan_cascade_same(&first, &moved, i, &scene, 0));
+    assert_false(plan_cascade_same(&without, &again, i, &scene, 0));
+    assert_false(plan_cascade_same(&first, &without, i, &scene, 0));
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(what_is_seen_is_among_them),
+      cmocka_unit_test(maps_are_whole),
+      cmocka_unit_test(a_blur_has_the_sum_1),
+      cmocka_unit_test(another_place_is_another_map),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
