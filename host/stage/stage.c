@@ -87,24 +87,26 @@ void stage_close(stage *s) {
   *s = (stage){0};
 }
 
-/* Adds the instances, or moves those that are there to their places. */
+/* Adds the instances, or makes those that are there what they are. */
 static csm_result place_instances(stage *s, const scene *from, bool add) {
   const uint32_t count = (uint32_t)from->instance_count;
   csm_instance *instances = host_allocate(count, sizeof *instances);
   for (uint32_t i = 0; i < count; i++) {
-    instances[i] = (csm_instance){.struct_size = sizeof *instances, .mesh = s->assets.meshes[from->instances[i].mesh]};
+    instances[i] = (csm_instance){
+        .struct_size = sizeof *instances, .mesh = s->assets.meshes[from->instances[i].mesh], .layers = s->layers};
     memcpy(instances[i].transform, from->instances[i].transform, sizeof instances[i].transform);
   }
   const csm_scene_batch batch = {
       .struct_size = sizeof batch, .count = count, .ids = s->instances, .instances = instances};
   csm_result result = CSM_SUCCESS;
   if (count)
-    result = add ? csm_scene_add(s->scene, &batch) : csm_scene_move(s->scene, &batch);
+    result = add ? csm_scene_add(s->scene, &batch) : csm_scene_change(s->scene, &batch);
   free(instances);
   return result;
 }
 
 int stage_stir(stage *s) {
+  s->layers ^= 1; /* the light lights all of them */
   return exit_code(place_instances(s, &s->setup->scene, false));
 }
 

@@ -18,6 +18,7 @@ typedef struct stage {
   csm_view *view;
   assets assets;
   csm_instance_id *instances; /* by the scene's instance */
+  uint32_t layers;            /* that they lie in */
   csm_camera camera;
   csm_light light;
   csm_frame frame; /* of the three above */
@@ -72,7 +73,7 @@ csm_light stage_light(const scene_light *from);
 void stage_look(stage *s, const camera *from);
 
 /*
- * Moves every instance to where it is, so that the next frame makes all that it sees: moments of maps that come out as
+ * Changes every instance by what does not show, so that the next frame makes all that it sees: moments of maps that come out as
  * they were are kept, and a scene that stands still would get them for nothing. 0, or a code after a message.
  */
 int stage_stir(stage *s);

@@ -202,7 +202,7 @@ static void check_mask(const float *mask) {
   }
   assert_in_range(lit, PIXELS / 5, PIXELS);
   assert_in_range(dark, PIXELS / 200, PIXELS);
-  assert_in_range(PIXELS - lit - dark, PIXELS / 100, PIXELS);
+  assert_in_range(PIXELS - lit - dark, PIXELS / 200, PIXELS);
 }
 
 /*
