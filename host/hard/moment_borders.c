@@ -179,7 +179,7 @@ static int draw_setting(borders *b, hard_run *run, const setting *s) {
   b->levels |= levels_at_borders(&b->truth, &b->together, &b->binding);
   hard_figure_add(run, (double)wrong, 0.0, "px", "other than the cascade alone, %s, %s", hard_filters[s->filter].name,
                   sampling_names[s->sampling]);
-  hard_figure_add(run, shaded > 1000 ? 0.0 : 1.0, 0.0, "1", "pictures that show nothing");
+  hard_figure_add(run, shaded > 100 ? 0.0 : 1.0, 0.0, "1", "pictures that show nothing");
   return 0;
 }
 
@@ -187,12 +187,12 @@ static int draw_setting(borders *b, hard_run *run, const setting *s) {
 
 /* Each resolution has four borders, whose levels are an octave apart. The long form has every filter with each. */
 static int draw_all(borders *b, hard_run *run) {
-  static const uint32_t resolutions[] = {16, 64, 256, 1024}, anisotropies[] = {16, 2, 8, 4};
+  static const uint32_t resolutions[] = {16, 64, 256, 1024, 512}, anisotropies[] = {16, 2, 8, 4};
   const uint32_t count = run->sweep ? HARD_FILTERS * 4 * 3 : 8;
   int code = 0;
   for (uint32_t i = 0; code == 0 && i < count; i++) {
     const setting s = {.filter = run->sweep ? i % HARD_FILTERS : i % HARD_MOMENT_FILTERS,
-                       .resolution = resolutions[run->sweep ? i / HARD_FILTERS % 4 : i * 3 / 2 % 4],
+                       .resolution = resolutions[run->sweep ? i / HARD_FILTERS % 4 : i % 5],
                        .sampling = run->sweep ? i / HARD_FILTERS / 4 : 1 + i / 2 % 2,
                        .anisotropy = anisotropies[i % 4],
                        .blend_mode = i % 3};
