@@ -14,7 +14,7 @@ static const double splits[SPLITS] = {8.0, 16.0, 32.0, 64.0};
 
 /* One of each, by numbers that are taken modulo how many there are. */
 typedef struct borders_setting {
-  uint32_t filter, bias, blend, selection, layout, end;
+  uint32_t filter, bias, blend, selection, layout, end; /* from FILTERS on a filter is one of hard_filters */
   bool wide; /* filters, offsets, bands and grids as large as they may be, with texels for them */
 } borders_setting;
 
@@ -26,7 +26,10 @@ static csm_config make_config(const csm_config *from, borders_setting s) {
     config.split_distances[i] = splits[i];
     config.resolutions[i] = s.layout == CSM_LAYOUT_ATLAS ? 128 - 16 * (uint32_t)i : 128;
   }
-  config.filter = s.filter % FILTERS;
+  if (s.filter < FILTERS)
+    config.filter = s.filter;
+  else
+    hard_filter_set(&config, &hard_filters[s.filter - FILTERS]);
   config.filter_taps = config.filter == CSM_FILTER_VOGEL ? 16 : 9;
   config.filter_radius_texels = 3.0;
   /* One comparison has no texels to place a plane under. */
@@ -171,16 +174,21 @@ static int draw_setting(hard_run *run, const borders_scene *scene, borders_setti
   return code;
 }
 
-/* All of them, or each filter with each selection, and of the rest some that go round. */
+/*
+ * All of them, or each filter with each selection, and of the rest some that go round. Filters on moments and soft ones
+ * take only some of the selections then.
+ */
 static int draw_settings(hard_run *run, const borders_scene *scene) {
-  const uint32_t short_count = FILTERS * SELECTIONS, rest = BIASES * BLENDS * LAYOUTS;
-  const uint32_t count = run->sweep ? short_count * rest : short_count;
+  const uint32_t filters = run->sweep ? FILTERS + HARD_FILTERS : FILTERS, rest = BIASES * BLENDS * LAYOUTS;
+  const uint32_t pairs = filters * SELECTIONS, short_count = pairs + HARD_FILTERS;
+  const uint32_t count = run->sweep ? pairs * rest : short_count;
   int code = 0;
   for (uint32_t i = 0; code == 0 && i < count; i++) {
-    const uint32_t pair = i % short_count, other = run->sweep ? i / short_count : 7 * pair + pair / FILTERS;
+    const uint32_t pair = run->sweep ? i % pairs : i;
+    const uint32_t other = run->sweep ? i / pairs : 7 * pair + pair / FILTERS;
     code = draw_setting(run, scene,
-                        (borders_setting){.filter = pair % FILTERS,
-                                          .selection = pair / FILTERS,
+                        (borders_setting){.filter = pair < pairs ? pair % filters : FILTERS + pair - pairs,
+                                          .selection = pair < pairs ? pair / filters : pair % SELECTIONS,
                                           .bias = other % BIASES,
                                           .blend = other / BIASES % BLENDS,
                                           .layout = other / (BIASES * BLENDS) % LAYOUTS,

@@ -23,7 +23,12 @@ const hard_case *const hard_cases[] = {
     &hard_casters,
     &hard_huge_ground,
     &hard_far_orthographic,
+    &hard_moment_limits,
     &hard_bleeding,
+    &hard_moment_gaps,
+    &hard_half_moments,
+    &hard_knife_edge,
+    &hard_moment_borders,
     &hard_history,
     NULL,
 };

@@ -23,7 +23,12 @@ extern const hard_case hard_settings;
 extern const hard_case hard_casters;
 extern const hard_case hard_huge_ground;
 extern const hard_case hard_far_orthographic;
+extern const hard_case hard_moment_limits;
 extern const hard_case hard_bleeding;
+extern const hard_case hard_moment_gaps;
+extern const hard_case hard_half_moments;
+extern const hard_case hard_knife_edge;
+extern const hard_case hard_moment_borders;
 extern const hard_case hard_history;
 
 /* In the order of the table; NULL ends it. */

@@ -154,33 +154,51 @@ static void count_bytes(hard_run *run) {
       hard_figure_add(run, (double)stats.map_bytes, 65536.0, "bytes", "maps of 16 x 16, all together");
 }
 
+/* Under a lid, or on a lit plane; with one of hard_filters, or NULL. */
+typedef struct small_maps {
+  const host_setup *setup;
+  const hard_truth *truth;
+  bool lid;
+} small_maps;
+
+static int draw_small(hard_run *run, const small_maps *of, uint32_t layout, uint32_t cascades,
+                      const hard_filter *filter) {
+  csm_config config = of->setup->config;
+  hard_picture picture = {0};
+  config.cascade_count = cascades;
+  config.resolution = 16;
+  config.map_layout = layout;
+  if (filter)
+    hard_filter_set(&config, filter);
+  config.soft_radius_max_texels = 2.0; /* there is no room for more */
+  int code = hard_restart(run, &config);
+  if (code == 0)
+    code = hard_draw(run, &of->setup->camera, &of->setup->light, 0, &picture);
+  if (code == 0) {
+    const hard_count found = hard_judge(run, of->truth, picture.mask, (hard_margin){.edge_px = 0.0});
+    hard_figure_add(run, (double)(found.false_dark + found.false_lit), 0.0, "px", "wrong with maps of 16 x 16, %s%s%s",
+                    of->lid ? "under a lid" : "a lit plane", filter ? ", " : "", filter ? filter->name : "");
+    hard_figure_add(run, found.judged > 1000 ? 0.0 : 1.0, 0.0, "1", "pictures that show nothing");
+    count_bytes(run);
+  }
+  hard_picture_free(&picture);
+  return code;
+}
+
 static int draw_small_maps(hard_run *run, bool lid) {
   host_setup setup;
-  hard_picture picture = {0};
   hard_truth truth = {0};
+  const small_maps of = {.setup = &setup, .truth = &truth, .lid = lid};
   make_ground(&setup, lid);
   int code = hard_load(run, &setup);
   if (code == 0)
     code = hard_cast(run, &setup.camera, &setup.light, &truth);
   for (uint32_t layout = 0; code == 0 && layout <= CSM_LAYOUT_ATLAS; layout++)
-    for (uint32_t count = 1; code == 0 && count <= CSM_MAX_CASCADES; count += run->sweep ? 1 : 7) {
-      csm_config config = setup.config;
-      config.cascade_count = count;
-      config.resolution = 16;
-      config.map_layout = layout;
-      code = hard_restart(run, &config);
-      if (code == 0)
-        code = hard_draw(run, &setup.camera, &setup.light, 0, &picture);
-      if (code)
-        break;
-      const hard_count found = hard_judge(run, &truth, picture.mask, (hard_margin){.edge_px = 0.0});
-      hard_figure_add(run, (double)(found.false_dark + found.false_lit), 0.0, "px", "wrong with maps of 16 x 16, %s",
-                      lid ? "under a lid" : "a lit plane");
-      hard_figure_add(run, found.judged > 1000 ? 0.0 : 1.0, 0.0, "1", "pictures that show nothing");
-      count_bytes(run);
-    }
+    for (uint32_t count = 1; code == 0 && count <= CSM_MAX_CASCADES; count += run->sweep ? 1 : 7)
+      code = draw_small(run, &of, layout, count, NULL);
+  for (uint32_t i = 0; code == 0 && i < HARD_FILTERS; i++)
+    code = draw_small(run, &of, i % 2, run->sweep ? CSM_MAX_CASCADES : 1 + i % 2, &hard_filters[i]);
   hard_truth_free(&truth);
-  hard_picture_free(&picture);
   hard_unload(run);
   setup_free(&setup);
   return code;

@@ -179,6 +179,27 @@ static int walk(hard_run *run, const motion *how, const char *fit_name, hard_pic
   return code;
 }
 
+/*
+ * Filters on moments and soft ones, at one level, for a level follows from the camera: what is blurred, and the pattern of
+ * what is not, lie in the world too. The short form turns one of each.
+ */
+static int walk_filters(hard_run *run, hard_picture *scratch) {
+  int code = 0;
+  for (uint32_t f = 0; f < HARD_FILTERS; f++)
+    for (uint32_t i = 0; code == 0 && i < (run->sweep ? MOTIONS : 1); i++) {
+      csm_config config = run->setup->config;
+      if (hard_filters[f].filter == CSM_FILTER_VSSM || !(run->sweep || f % 3 == 1))
+        continue;
+      hard_filter_set(&config, &hard_filters[f]);
+      config.moment_levels = 1;
+      config.moment_sampling = CSM_SAMPLING_BILINEAR;
+      code = hard_restart(run, &config);
+      if (code == 0)
+        code = walk(run, &motions[i], hard_filters[f].name, scratch);
+    }
+  return code;
+}
+
 static int run_case(hard_run *run) {
   host_setup setup;
   hard_picture scratch = {0};
@@ -194,6 +215,8 @@ static int run_case(hard_run *run) {
       if (code == 0)
         code = walk(run, &motions[i], fits[f].name, &scratch);
     }
+  if (code == 0)
+    code = walk_filters(run, &scratch);
   hard_picture_free(&scratch);
   hard_unload(run);
   setup_free(&setup);

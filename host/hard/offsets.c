@@ -13,13 +13,17 @@
 typedef struct variant {
   uint32_t fit_mode, depth_mode, snap_mode;
   const char *name;
+  const hard_filter *filter; /* NULL: the default */
 } variant;
 
 static const variant variants[] = {
-    {CSM_FIT_MINIMUM_SPHERE, CSM_DEPTH_CASTERS, CSM_SNAP_ROUND, "default"},
-    {CSM_FIT_CENTROID_SPHERE, CSM_DEPTH_SLICE, CSM_SNAP_FLOOR, "centroid sphere, slice"},
-    {CSM_FIT_CASCADE_SQUARE, CSM_DEPTH_SCENE, CSM_SNAP_ROUND, "cascade square, scene"},
-    {CSM_FIT_SCENE_SQUARE, CSM_DEPTH_SCENE_CLIPPED, CSM_SNAP_FLOOR, "scene square, scene clipped"}};
+    {CSM_FIT_MINIMUM_SPHERE, CSM_DEPTH_CASTERS, CSM_SNAP_ROUND, "default", NULL},
+    {CSM_FIT_MINIMUM_SPHERE, CSM_DEPTH_CASTERS, CSM_SNAP_ROUND, "evsm4", &hard_filters[1]},
+    {CSM_FIT_CENTROID_SPHERE, CSM_DEPTH_SLICE, CSM_SNAP_FLOOR, "centroid sphere, slice", NULL},
+    {CSM_FIT_CASCADE_SQUARE, CSM_DEPTH_SCENE, CSM_SNAP_ROUND, "cascade square, scene", NULL},
+    {CSM_FIT_SCENE_SQUARE, CSM_DEPTH_SCENE_CLIPPED, CSM_SNAP_FLOOR, "scene square, scene clipped", NULL},
+    {CSM_FIT_MINIMUM_SPHERE, CSM_DEPTH_CASTERS, CSM_SNAP_ROUND, "vsm", &hard_filters[0]},
+    {CSM_FIT_MINIMUM_SPHERE, CSM_DEPTH_CASTERS, CSM_SNAP_ROUND, "msm4", &hard_filters[2]}};
 enum { VARIANTS = sizeof variants / sizeof variants[0] };
 
 typedef struct yard {
@@ -46,6 +50,8 @@ static int yard_draw(yard *out, hard_run *run, const variant *how, const double 
   out->setup.config.fit_mode = how->fit_mode;
   out->setup.config.depth_mode = how->depth_mode;
   out->setup.config.snap_mode = how->snap_mode;
+  if (how->filter)
+    hard_filter_set(&out->setup.config, how->filter);
   out->setup.config.blend_mode = CSM_BLEND_OFF; /* with the next cascade, which moves by other texels than its own */
   hard_place(&out->setup, moved);
   out->drawn = (hard_picture){0};
@@ -198,7 +204,7 @@ static int move_by_anything(hard_run *run) {
 static int move_variant(hard_run *run, const variant *how) {
   yard still;
   int code = yard_draw(&still, run, how, (const double[3]){0.0, 0.0, 0.0}, 1024);
-  for (int power = 3; code == 0 && power <= 7; power += run->sweep ? 1 : 2)
+  for (int power = how->filter && !run->sweep ? 7 : 3; code == 0 && power <= 7; power += run->sweep ? 1 : 2)
     code = move_by_texels(run, &still, how, pow(10.0, power));
   yard_free(run, &still);
   return code;
@@ -206,7 +212,7 @@ static int move_variant(hard_run *run, const variant *how) {
 
 static int run_case(hard_run *run) {
   int code = 0;
-  for (int i = 0; code == 0 && i < (run->sweep ? VARIANTS : 1); i++)
+  for (int i = 0; code == 0 && i < (run->sweep ? VARIANTS : 2); i++)
     code = move_variant(run, &variants[i]);
   return code ? code : move_by_anything(run);
 }

@@ -160,12 +160,32 @@ static csm_config random_settings(const csm_config *plain, uint32_t seed) {
 
 /* ---- the case ---- */
 
+static bool begins_with(const char *text, const char *begin) {
+  return strncmp(text, begin, strlen(begin)) == 0;
+}
+
+/* A filter that reads the field, in turns if there are several. */
+static void set_reader(csm_config *config, const csm_config_field *field, uint32_t turn) {
+  const bool moments = begins_with(field->name, "moment_") || begins_with(field->name, "bleeding_");
+  static const uint32_t of_moments[] = {CSM_FILTER_EVSM4, CSM_FILTER_VSM, CSM_FILTER_MSM4, CSM_FILTER_VSM};
+  static const uint32_t of_light[] = {CSM_FILTER_PCSS, CSM_FILTER_VSSM, CSM_FILTER_BACKPROJECTION, CSM_FILTER_PCSS};
+  if (moments)
+    config->filter = of_moments[turn % 4];
+  else if (begins_with(field->name, "soft_"))
+    config->filter = of_light[turn % 4];
+  if (moments || config->filter == CSM_FILTER_VSSM)
+    config->moment_levels = 4;
+  if (begins_with(field->name, "history"))
+    config->history = CSM_HISTORY_ON;
+}
+
 static int draw_ends(hard_run *run, tally *tally) {
   csm_config_field field = {.struct_size = sizeof field};
   int code = 0;
   for (uint32_t i = 0; code == 0 && csm_config_describe(i, &field) == CSM_SUCCESS; i++)
-    for (int end = 0; code == 0 && end < 2; end++) {
+    for (uint32_t end = 0; code == 0 && end < 2; end++) {
       csm_config config = run->setup->config;
+      set_reader(&config, &field, 2 * (i % 2) + end);
       for (uint32_t k = 0; k < field.length; k++)
         set(&config, &field, k, end ? field.maximum : field.minimum);
       if (count_texels(&config) > most_texels_of_sweep) { /* reading takes as much again */

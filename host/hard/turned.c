@@ -31,10 +31,12 @@ typedef enum sun_place {
 
 static const char *const sun_names[] = {"aside", "along the camera's forward", "along the camera's up"};
 
-static void make_yard(host_setup *out, sun_place place) {
+static void make_yard(host_setup *out, sun_place place, const hard_filter *filter) {
   hard_setup_begin(out, 320, 180);
   hard_yard(out, true);
   out->config.resolution = 512;
+  if (filter)
+    hard_filter_set(&out->config, filter);
   for (int axis = 0; place != SUN_ASIDE && axis < 3; axis++)
     out->light.direction[axis] = place == SUN_BEHIND ? out->camera.forward[axis] : -out->camera.view[axis * 4 + 1];
   vec_normalize(out->light.direction);
@@ -100,12 +102,18 @@ static double basis_error(const csm_binding *binding, const scene_light *light) 
 
 /* ---- turned scenes ---- */
 
+/* What is turned. */
+typedef struct turned_yard {
+  sun_place place;
+  const hard_filter *filter; /* NULL: the default */
+} turned_yard;
+
 /* Draws the yard turned by `turn`, and judges it with a truth that is cast before or, if there is none, now. */
-static int draw_turned(hard_run *run, sun_place place, const double turn[16], hard_truth *truth, double *rms) {
+static int draw_turned(hard_run *run, const turned_yard *of, const double turn[16], hard_truth *truth, double *rms) {
   host_setup setup;
   hard_picture drawn = {0};
   csm_binding binding;
-  make_yard(&setup, place);
+  make_yard(&setup, of->place, of->filter);
   hard_place(&setup, turn);
   int code = hard_load(run, &setup);
   if (code == 0)
@@ -128,31 +136,33 @@ static int draw_turned(hard_run *run, sun_place place, const double turn[16], ha
  * Texels lie otherwise on a scene that is turned, and the error depends on how. So the unturned one is drawn with its
  * texels turned, too: with scene, camera and sun turned a little about the sun.
  */
-static int unturned_error(hard_run *run, sun_place place, hard_truth *truth, double *mean) {
+static int unturned_error(hard_run *run, const turned_yard *of, hard_truth *truth, double *mean) {
   const uint32_t rolls = run->sweep ? 16 : 4;
   host_setup setup;
   int code = 0;
-  make_yard(&setup, place);
+  make_yard(&setup, of->place, of->filter);
   vec_normalize(setup.light.direction);
   *mean = 0.0;
   for (uint32_t i = 0; code == 0 && i < rolls; i++) {
     double turn[16], rms = 0.0;
     turn_about(turn, setup.light.direction, i * (pi / 2.0) / rolls);
-    code = draw_turned(run, place, turn, truth, &rms);
+    code = draw_turned(run, of, turn, truth, &rms);
     *mean += rms / rolls;
   }
   setup_free(&setup);
   return code;
 }
 
-static int turn_yard(hard_run *run, sun_place place) {
+/* The short form takes a few directions with other filters than the default. */
+static int turn_yard(hard_run *run, const turned_yard *of) {
+  const int step = of->filter && !run->sweep ? 3 : 1;
   hard_truth truth = {0};
   host_setup setup;
   double unturned;
-  int code = unturned_error(run, place, &truth, &unturned);
-  make_yard(&setup, place);
+  int code = unturned_error(run, of, &truth, &unturned);
+  make_yard(&setup, of->place, of->filter);
   vec_normalize(setup.light.direction);
-  for (int i = 0; code == 0 && i < DIRECTIONS; i++)
+  for (int i = 0; code == 0 && i < DIRECTIONS; i += step)
     for (int beside = 0; code == 0 && beside <= (run->sweep ? 4 : 1); beside++) {
       double to[3], aside[3], turn[16], nudge[16], beside_it[4], rms = 0.0;
       memcpy(to, directions[i], sizeof to);
@@ -163,8 +173,9 @@ static int turn_yard(hard_run *run, sun_place place) {
       turn_about(nudge, beside_it, beside ? 0.001 * pi / 180.0 : 0.0);
       mat_transform(beside_it, nudge, to, 0.0);
       turn_to(turn, setup.light.direction, beside_it);
-      code = draw_turned(run, place, turn, &truth, &rms);
-      hard_figure_add(run, rms / unturned, 1.1, "1", "rmse against the unturned scene, sun %s", sun_names[place]);
+      code = draw_turned(run, of, turn, &truth, &rms);
+      hard_figure_add(run, rms / unturned, 1.1, "1", "rmse against the unturned scene, sun %s%s%s",
+                      sun_names[of->place], of->filter ? ", " : "", of->filter ? of->filter->name : "");
     }
   hard_truth_free(&truth);
   setup_free(&setup);
@@ -237,7 +248,9 @@ static int follow_paths(hard_run *run) {
 static int run_case(hard_run *run) {
   int code = follow_paths(run);
   for (int place = 0; code == 0 && place < SUN_PLACES; place++)
-    code = turn_yard(run, (sun_place)place);
+    code = turn_yard(run, &(turned_yard){.place = (sun_place)place});
+  for (int i = run->sweep ? 0 : 1; code == 0 && i < (run->sweep ? HARD_FILTERS : 2); i++)
+    code = turn_yard(run, &(turned_yard){.filter = &hard_filters[i]});
   return code;
 }
 

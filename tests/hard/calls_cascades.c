@@ -40,11 +40,19 @@ static void spoil_config(world *w, spoil_paper *paper) {
   spoil(&w->dice, paper, &what);
 }
 
+static const char *any_preset(world *w) {
+  csm_preset_info preset = {.struct_size = sizeof preset};
+  uint32_t count = 0;
+  while (!csm_config_preset_describe(count, &preset))
+    ++count;
+  assert_int_equal(csm_config_preset_describe(dice_below(&w->dice, count), &preset), CSM_SUCCESS);
+  return preset.name;
+}
+
 static csm_config roll_config(world *w) {
   csm_config config = support_config();
-  csm_preset_info preset = {.struct_size = sizeof preset};
-  if (dice_one_in(&w->dice, 3) && !csm_config_preset_describe(dice_below(&w->dice, 18), &preset))
-    assert_int_equal(csm_config_preset(preset.name, &config), CSM_SUCCESS);
+  if (dice_one_in(&w->dice, 3))
+    assert_int_equal(csm_config_preset(any_preset(w), &config), CSM_SUCCESS);
   for (uint32_t changes = dice_below(&w->dice, 5); changes; --changes) {
     const csm_config_field field = any_field(w);
     roll_field(w, &config, &field);

@@ -93,20 +93,39 @@ static const spoil_field read_fields[] = {
 };
 static const spoil_struct read_struct = SPOIL_STRUCT(csm_read_info, read_fields);
 
+/* Floats that a texel of moments takes, all layers of depth together; 1 of filters that read none. */
+static uint32_t moments_of(const csm_config *config) {
+  switch (config->filter) {
+  case CSM_FILTER_VSM:
+    return 2 * config->moment_layers;
+  case CSM_FILTER_EVSM2:
+  case CSM_FILTER_VSSM:
+    return 2;
+  case CSM_FILTER_EVSM4:
+  case CSM_FILTER_MSM4:
+    return 4;
+  default:
+    return 1;
+  }
+}
+
 /* The size that the answer should have; it is what the memory has room for, too. */
 static csm_read_info roll_read(world *w, const world_cascades *cascades, const world_view *view) {
   csm_read_info info = {.struct_size = sizeof info,
-                        .source = dice_below(&w->dice, 4),
+                        .source = dice_below(&w->dice, CSM_READ_MOMENTS + 1),
                         .cascades = cascades ? cascades->cascades : NULL,
                         .view = view ? view->view : NULL,
                         .cascade = dice_below(&w->dice, 3)};
-  uint32_t width = view ? view->width : 1, height = view ? view->height : 1;
-  if (info.source == CSM_READ_MAP && cascades) {
+  uint64_t width = view ? view->width : 1, height = view ? view->height : 1;
+  if ((info.source == CSM_READ_MAP || info.source == CSM_READ_MOMENTS) && cascades) {
     const csm_config *config = &cascades->config;
     width = config->resolutions[info.cascade] ? config->resolutions[info.cascade] : config->resolution;
+    if (info.source == CSM_READ_MOMENTS)
+      width >>= config->moment_halved;
     height = width;
+    width *= info.source == CSM_READ_MOMENTS ? moments_of(config) : 1;
   }
-  info.size = (uint64_t)width * height * sizeof(float);
+  info.size = width * height * sizeof(float);
   if (dice_one_in(&w->dice, 20))
     info.view = world_wild(w);
   if (dice_one_in(&w->dice, 20))
@@ -118,7 +137,7 @@ static csm_result read_back(world *w) {
   const world_cascades *cascades = world_any_cascades(w);
   const world_view *view = world_any_view(w);
   csm_read_info good = roll_read(w, cascades, view);
-  const uint64_t room = 4 * (WORLD_SIDE * WORLD_SIDE + 1);
+  const uint64_t room = 4 * (8 * WORLD_SIDE * WORLD_SIDE + 1);
   float *data = calloc(1, room);
   assert_non_null(data);
   good.data = data;
@@ -137,7 +156,7 @@ static csm_result read_back(world *w) {
 static csm_result ask_defines(world *w) {
   const csm_config good = support_config();
   csm_config *config = world_write(w, &good, sizeof good);
-  const uint32_t enumerator = (uint32_t)offsetof(csm_config, filter), value = dice_below(&w->dice, 12);
+  const uint32_t enumerator = (uint32_t)offsetof(csm_config, filter), value = dice_below(&w->dice, CSM_FILTER_BACKPROJECTION + 3);
   char text[4096];
   uint64_t size = dice_one_in(&w->dice, 4) ? dice_below(&w->dice, 200) : sizeof text;
   memset(text, 0, sizeof text);
@@ -161,9 +180,9 @@ static csm_result ask_config(world *w) {
   csm_result result;
   switch (dice_below(&w->dice, 4)) {
   case 0:
-    return csm_config_describe(dice_below(&w->dice, 80), world_risk(w, &good, &field_struct));
+    return csm_config_describe(dice_below(&w->dice, 120), world_risk(w, &good, &field_struct));
   case 1:
-    return csm_config_preset_describe(dice_below(&w->dice, 30), world_risk(w, &none, &preset_struct));
+    return csm_config_preset_describe(dice_below(&w->dice, 50), world_risk(w, &none, &preset_struct));
   case 2:
     result = csm_config_preset(dice_one_in(&w->dice, 4) ? NULL : "high", config);
     break;

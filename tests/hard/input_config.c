@@ -7,17 +7,25 @@
 #include <string.h>
 
 uint32_t input_seeds(input_seed out[INPUT_SEEDS]) {
-  static char *texts[3];
-  for (int i = 0; i < 3; i++) {
+  enum { PRESETS = 3, COUNT = 5 };
+  static const char *const presets[COUNT] = {"low", "godot", "survey12", "medium", "medium"};
+  static char *texts[COUNT];
+  for (int i = 0; i < COUNT; i++) {
     csm_config config = {.struct_size = sizeof config};
-    csm_config_preset(i == 0 ? "low" : i == 1 ? "godot" : "survey12", &config);
+    csm_config_preset(presets[i], &config);
+    if (i >= PRESETS) { /* moments with levels, and soft shadows with a history */
+      config.filter = i == PRESETS ? CSM_FILTER_EVSM4 : CSM_FILTER_PCSS;
+      config.moment_levels = 4;
+      config.moment_sampling = CSM_SAMPLING_ANISOTROPIC;
+      config.history = CSM_HISTORY_ON;
+    }
     json_t *object = config_to_json(&config);
     free(texts[i]);
     texts[i] = json_dumps(object, JSON_COMPACT);
     json_decref(object);
     out[i] = (input_seed){texts[i], strlen(texts[i])};
   }
-  return 3;
+  return COUNT;
 }
 
 /* What is checked here, csm takes: but for what a device cannot do. */
