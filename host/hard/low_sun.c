@@ -47,23 +47,6 @@ static int draw_normals(hard_run *run, const host_setup *setup, const scene_ligh
   return code;
 }
 
-/* The same sun and truth, with filters on moments and soft ones: on the plane alone, for these are wide. */
-static int draw_filters(hard_run *run, const host_setup *setup, const scene_light *sun, const hard_truth *truth,
-                        hard_picture *drawn) {
-  int code = 0;
-  for (int i = 0; code == 0 && i < HARD_FILTERS; i++) {
-    csm_config config = setup->config;
-    hard_filter_set(&config, &hard_filters[i]);
-    code = hard_restart(run, &config);
-    if (code == 0)
-      code = hard_draw(run, &setup->camera, sun, 0, drawn);
-    if (code == 0)
-      count_dark(run, truth, drawn, asin(-sun->direction[1]) * (180.0 / 3.14159265358979323846), 2.0,
-                 hard_filters[i].name);
-  }
-  return code ? code : hard_restart(run, &setup->config);
-}
-
 static int look_for_acne(hard_run *run, bool bare) {
   static const double heights[] = {5.0, 1.0, 0.1, 2.0, 0.5}, azimuths[] = {100.0, 40.0, 250.0};
   host_setup setup;
@@ -79,8 +62,6 @@ static int look_for_acne(hard_run *run, bool bare) {
       code = hard_cast(run, &setup.camera, &sun, &truth);
     if (code == 0)
       count_dark(run, &truth, &drawn, height, 2.0, bare ? "a plane" : "a yard");
-    if (code == 0 && bare)
-      code = draw_filters(run, &setup, &sun, &truth, &drawn);
     if (code == 0 && hard_has_engine(run)) {
       code = draw_normals(run, &setup, &sun, &truth, &drawn);
       if (code == 0)

@@ -47,7 +47,7 @@ def check_soft_suns(folder):
     done = run("measure", "--presets", "high", "--against", "low,godot", "--suns", "0,5", "--scene", "town", "--size", "160x90",
                "--sun-samples", "16", "--quick", "--minutes", "0.01", "--cache", folder, "--json", "-")
     hard, soft = json.loads(done.stdout)
-    assert (hard["disc_deg"], soft["disc_deg"]) == (0, 5) and hard["noise"] == 0 < soft["noise"] < 0.02, soft["noise"]
+    assert (hard["disc_deg"], soft["disc_deg"]) == (0, 5) and hard["noise"] == 0 < soft["noise"] < 0.05, soft["noise"]
     for scene in hard, soft:
         presets = {p["preset"]: p for p in scene["presets"]}
         assert list(presets) == ["default", "high", "low", "godot"]
