@@ -1,5 +1,6 @@
 #include "bench/scene_plan.h"
 #include "base/host.h"
+#include "csm_constants.h"
 #include "scene/mesh_builder.h"
 #include <stdlib.h>
 #include <string.h>
@@ -90,7 +91,7 @@ void bench_plan_free(bench_plan *plan) {
 
 estimate bench_plan_time(bench_plan *plan, const host_setup *setup, uint32_t count) {
   double *samples = host_allocate(count, sizeof *samples);
-  float constants[256];
+  float constants[CSM_C_COUNT * 4];
   for (uint32_t i = 0; i < count; i++) {
     const double start = host_now_ms();
     plan_once(plan, setup);

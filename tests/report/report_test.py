@@ -128,7 +128,8 @@ def check_points(scene, rounds):
     assert all(math.isfinite(n) for n in numbers(scene))
     for point in points:
         assert set(point['backends']) == set(backends)
-        assert point['map_bytes'] >= 4 * point['cascade_count'] * point['resolution'] ** 2
+        texel_bytes = 2 if point.get('name') == 'godot' else 4  # D16
+        assert point['map_bytes'] >= texel_bytes * point['cascade_count'] * point['resolution'] ** 2
         for result in point['backends'].values():
             metrics, ms = result['metrics'], result['shadow_ms']
             wrong = metrics['false_lit'] + metrics['false_shadow']
