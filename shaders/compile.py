@@ -33,6 +33,7 @@ SPIRV_OPTIONS = (
     "-D -V -g0 -e main --quiet --target-env vulkan1.1 --hlsl-iomap --shift-cbuffer-binding 0 --shift-texture-binding 16 "
     "--shift-uav-binding 32 --shift-sampler-binding 48").split()
 MISREAD = re.compile(r"^\s*mov (r\d+)\.yzw, (?!\1\b)r\d+\.xyzw$", re.MULTILINE)
+UNCAST = re.compile(r"^\s*(?:add|mul|mad|div|min|max|lt|ge|eq|ne|ftoi|ftou) .*\bvThread\w*.*$", re.MULTILINE)
 INCLUDE = re.compile(r'\s*#\s*include\s*"([^"]+)"')
 
 
@@ -268,6 +269,9 @@ def compile_dxbc(compiler, program, folder):
     misread = MISREAD.search(listing.read_text())
     if misread:
         sys.exit(f"{program.name}: vkd3d 1.2 misreads '{misread[0].strip()}'; write the vector so that it begins at x")
+    uncast = UNCAST.search(listing.read_text())
+    if uncast:
+        sys.exit(f"{program.name}: vkd3d's compiler has lost a cast in '{uncast[0].strip()}'; cast to int first")
     return output.read_bytes()
 
 
