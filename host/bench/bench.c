@@ -336,8 +336,10 @@ static json_t *results_to_json(const bench *b) {
     depth_to_json(object, b);
   for (uint32_t i = 0; i < b->table_count; i++)
     json_object_set_new(object, b->rows[i].table.name, bench_rows_to_json(&b->rows[i]));
-  for (int i = 0; i < 2 && b->drawn[i].pairs; i++)
-    json_object_set_new(object, i ? "drawn_evsm4" : "drawn_vsm", bench_drawn_to_json(&b->drawn[i]));
+  if (b->drawn[0].pairs)
+    json_object_set_new(object, "drawn",
+                        json_pack("{s:o,s:o}", b->drawn[0].name, bench_drawn_to_json(&b->drawn[0]), b->drawn[1].name,
+                                  bench_drawn_to_json(&b->drawn[1])));
   if (b->bare.pairs)
     json_object_set_new(object, "bare", bench_bare_to_json(&b->bare));
   return object;
