@@ -318,7 +318,10 @@ def words_header(out_h, *paths):
 
 
 def spirv_header(out_h, glslang, spirv_val, *paths):
-    programs = [program for path in paths for program in programs_of(pathlib.Path(path).resolve(), {})]
+    programs = []
+    for path in (pathlib.Path(path).resolve() for path in paths):
+        rows = {row["file"]: row for row in table_of(path.parent)}
+        programs += programs_of(path, rows.get(path.name, {}))
     codes = make_all_spirv(glslang, spirv_val, programs)
     arrays = [words(program.name.replace(".", "_"), code) for program, code in zip(programs, codes)]
     pathlib.Path(out_h).write_text("\n".join(["/* Made by shaders/compile.py. */", "#include <stdint.h>", "", *arrays]))

@@ -13,8 +13,9 @@ static csm_result check_owner(csm_context *context, const csm_read_info *info) {
   const bool map = of_cascades(info);
   if (info->source > CSM_READ_MOMENTS)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_read_info: there is no source %u", info->source);
-  if (info->reserved)
-    return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_read_info: reserved is %u, not 0", info->reserved);
+  if (info->reserved || info->reserved_level)
+    return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_read_info: reserved is %u, not 0",
+                     info->reserved ? info->reserved : info->reserved_level);
   if (map ? !info->cascades : !info->view)
     return host_fail(host, CSM_ERROR_NULL_POINTER, "csm_read_info: %s is NULL", map ? "cascades" : "view");
   if (map ? !cascades_known(context, info->cascades) : !view_known(context, info->view))
@@ -23,6 +24,18 @@ static csm_result check_owner(csm_context *context, const csm_read_info *info) {
   if (map && info->cascade >= info->cascades->config.cascade_count)
     return host_fail(host, CSM_ERROR_INVALID_INDEX, "csm_read_info: cascade %u of %u", info->cascade,
                      info->cascades->config.cascade_count);
+  return CSM_SUCCESS;
+}
+
+/* Makes an image's sizes those of one of its levels. */
+static csm_result take_level(csm_context *context, uint32_t level, technique_image *image) {
+  const uint32_t levels = image->levels ? image->levels : 1;
+  if (level >= levels)
+    return host_fail(&context->host, CSM_ERROR_INVALID_INDEX, "csm_read_info: level %u of %u", level, levels);
+  image->width = gpu_level_size(image->width, level);
+  image->height = gpu_level_size(image->height, level);
+  image->part.width = gpu_level_size(image->part.width, level);
+  image->part.height = gpu_level_size(image->part.height, level);
   return CSM_SUCCESS;
 }
 
@@ -38,7 +51,8 @@ static csm_result find_source(csm_context *context, const csm_read_info *info, t
       technique_set_find(map ? &info->cascades->techniques : &info->view->techniques, info->source, info->cascade, out);
   if (map && result)
     return host_fail(&context->host, CSM_ERROR_INVALID_STATE, "the configured filter reads no moments");
-  return result ? host_fail(&context->host, CSM_ERROR_INVALID_STATE, "no mask has been resolved yet") : CSM_SUCCESS;
+  return result ? host_fail(&context->host, CSM_ERROR_INVALID_STATE, "no mask has been resolved yet")
+                : take_level(context, info->level, out);
 }
 
 /* The numbers of a float in 16 bits. */
@@ -106,7 +120,7 @@ static uint32_t layers_of(const technique_image *from) {
   return from->layers ? from->layers : 1;
 }
 
-static csm_result copy_out(device *device, const technique_image *from, float *data) {
+static csm_result copy_out(device *device, const technique_image *from, uint32_t level, float *data) {
   const uint32_t row_bytes = device_row_bytes(from->width, from->format);
   const uint64_t layer = (uint64_t)row_bytes * from->height, step = (layer + 511) / 512 * 512;
   const uint64_t size = step * layers_of(from);
@@ -121,8 +135,9 @@ static csm_result copy_out(device *device, const technique_image *from, float *d
     result = recording_begin(device, NULL);
   if (!result) {
     for (uint32_t i = 0; i < layers_of(from); ++i) /* whole, for Direct3D 12 does not copy parts of depth */
-      gpu_copy_image(device->gpu, buffer, i * step, row_bytes, from->image,
-                     &(gpu_region){.layer = from->layer + i, .width = from->width, .height = from->height});
+      gpu_copy_image(
+          device->gpu, buffer, i * step, row_bytes, from->image,
+          &(gpu_region){.layer = from->layer + i, .level = level, .width = from->width, .height = from->height});
     result = recording_end(device);
   }
   if (!result)
@@ -158,5 +173,5 @@ csm_result CSM_CALL csm_read(csm_context *context, const csm_read_info *in) {
   if (info.size != size)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_read_info: size is %llu, not %llu",
                      (unsigned long long)info.size, (unsigned long long)size);
-  return copy_out(device, &from, info.data);
+  return copy_out(device, &from, info.level, info.data);
 }

@@ -20,7 +20,7 @@ static csm_result check_info(csm_context *context, const csm_mask_info *info) {
   host *host = &context->host;
   if (info->flags & ~(uint32_t)CSM_FRAME_TIMESTAMPS)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_mask_info: unknown flags %x", info->flags);
-  if (info->show > CSM_SHOW_DENSITY && info->show != CSM_SHOW_HISTORY)
+  if (info->show > CSM_SHOW_HISTORY)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_mask_info: there is no show %u", info->show);
   if (info->reserved)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_mask_info: reserved is %u, not 0", info->reserved);
@@ -63,6 +63,17 @@ static csm_result look(csm_context *context, resolve *r) {
   return CSM_SUCCESS;
 }
 
+/* What is shown must be there. */
+static csm_result check_shown(csm_context *context, const csm_config *config, uint32_t show) {
+  host *host = &context->host;
+  if (show == CSM_SHOW_HISTORY && config->history == CSM_HISTORY_OFF)
+    return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_mask_info: show history, and the cascades keep none");
+  if (show == CSM_SHOW_PENUMBRA && !plan_is_soft(config))
+    return host_fail(host, CSM_ERROR_INVALID_VALUE,
+                     "csm_mask_info: show penumbra, and the filter finds none: pcss, vssm and backprojection do");
+  return CSM_SUCCESS;
+}
+
 static csm_result record(csm_view *view, csm_cascades *cascades, const resolve *r) {
   const planned *planned = cascades_planned(cascades);
   technique_picture picture = {.width = r->info.width,
@@ -100,8 +111,8 @@ csm_result CSM_CALL csm_resolve_mask(csm_view *view, csm_cascades *cascades, con
   resolve r = {0};
   if (!result)
     result = read_info(context, in, &r);
-  if (!result && r.info.show == CSM_SHOW_HISTORY && cascades->config.history == CSM_HISTORY_OFF)
-    result = host_fail(&context->host, CSM_ERROR_INVALID_VALUE, "csm_mask_info: show history, and the cascades keep none");
+  if (!result)
+    result = check_shown(context, &cascades->config, r.info.show);
   if (!result)
     result = cascades_drawn(cascades);
   if (!result)

@@ -75,6 +75,28 @@ double plan_padding_texels(const csm_config *config) {
   return plan_filter_radius_texels(config) + ceil(config->bias_normal_texels) + moved + rounding_of_floats;
 }
 
+/*
+ * What a lookup in the coarsest level reaches, in texels of the maps: one and a half of that level's, or, with several
+ * samples along a footprint, half of those more. All of it lies in the map, and the receiver no nearer to a border.
+ */
+static double levels_reach(const csm_config *config, uint32_t cascade) {
+  plan_moments moments;
+  plan_moments_make(&moments, config);
+  const double texel = ldexp(config->moment_halved ? 2.0 : 1.0, (int)moments.levels - 1);
+  const double samples = config->moment_sampling == CSM_SAMPLING_ANISOTROPIC ? config->moment_anisotropy : 0.0;
+  return moments.levels > 1 ? fmin(texel * (1.5 + 0.5 * samples), plan_resolution(config, cascade) / 2.0) : 0.0;
+}
+
+/* A blur, unlike levels, is in the padding already, but of VSSM, whose search is. */
+double plan_view_room_texels(const csm_config *config, uint32_t cascade) {
+  double room = plan_padding_texels(config);
+  if (plan_has_moments(config))
+    room += levels_reach(config, cascade);
+  if (config->filter == CSM_FILTER_VSSM)
+    room += config->moment_blur_texels * (config->moment_halved ? 2.0 : 1.0);
+  return room;
+}
+
 uint32_t plan_resolution(const csm_config *config, uint32_t cascade) {
   return config->resolutions[cascade] ? config->resolutions[cascade] : config->resolution;
 }

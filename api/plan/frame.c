@@ -34,10 +34,10 @@ static csm_result take_origin(plan_frame *frame, const double *origin, const cha
 
 /* What a filter reaches past a picture's border, in metres, from a map as wide as the picture of an orthographic camera. */
 static double filter_room(const plan_fit_frame *frame) {
-  uint32_t least = UINT32_MAX;
+  double most = 0.0;
   for (uint32_t i = 0; i < frame->config->cascade_count; ++i)
-    least = plan_resolution(frame->config, i) < least ? plan_resolution(frame->config, i) : least;
-  return 2.0 * hypot(frame->image[0], frame->image[1]) / least * plan_padding_texels(frame->config);
+    most = fmax(most, plan_view_room_texels(frame->config, i) / plan_resolution(frame->config, i));
+  return 2.0 * hypot(frame->image[0], frame->image[1]) * most;
 }
 
 /*
@@ -93,10 +93,11 @@ static csm_result fit_frame(plan_frame *frame, plan_fit *fits, const plan_frame_
   return result;
 }
 
-static double largest_texel(const plan_fit *fits, uint32_t count) {
+/* Around what the camera sees, in metres, for whichever cascade is read there. */
+static double view_room(const plan_fit *fits, const csm_config *config) {
   double largest = 0.0;
-  for (uint32_t i = 0; i < count; ++i)
-    largest = fmax(largest, fmax(fits[i].texel[0], fits[i].texel[1]));
+  for (uint32_t i = 0; i < config->cascade_count; ++i)
+    largest = fmax(largest, fmax(fits[i].texel[0], fits[i].texel[1]) * plan_view_room_texels(config, i));
   return largest;
 }
 
@@ -117,7 +118,7 @@ static void cull(plan_frame *frame, fitted *fitted, const plan_frame_info *info,
   plan_hull hull = {0};
   if (config->caster_set == CSM_CASTER_SET_VIEW)
     plan_view_hull(&hull, &frame->camera, frame->basis, frame->cascades[frame->cascade_count - 1].info.far_depth,
-                   largest_texel(fitted->fits, frame->cascade_count) * plan_padding_texels(config));
+                   view_room(fitted->fits, config));
   for (uint32_t i = 0; i < frame->cascade_count; ++i) {
     fitted->areas[i] = plan_fit_area(&fitted->fits[i], config, &box);
     plan_rounding_origin(&fitted->areas[i].rounding, frame->basis, frame->origin);

@@ -71,6 +71,7 @@ void plan_view_hull(plan_hull *out, const plan_camera *camera, const double basi
     double *normal = out->normals[out->count];
     normal[0] = x / length;
     normal[1] = y / length;
-    out->offsets[out->count++] = farthest(normal, (const double(*)[3])points, 8) + room;
+    const double corner = fabs(normal[0]) + fabs(normal[1]);
+    out->offsets[out->count++] = farthest(normal, (const double(*)[3])points, 8) + room * corner;
   }
 }

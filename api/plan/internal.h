@@ -247,6 +247,8 @@ double plan_filter_reach_texels(const csm_config *config);
 double plan_filter_least_share(const csm_config *config);
 /* Room that a map leaves at its borders. */
 double plan_padding_texels(const csm_config *config);
+/* Room around what a camera sees, within which what lies in a cascade's map is read for it. */
+double plan_view_room_texels(const csm_config *config, uint32_t cascade);
 
 /* ---- culling ---- */
 /*
@@ -260,7 +262,7 @@ typedef struct plan_hull {
   double normals[PLAN_HULL_MOST][2], offsets[PLAN_HULL_MOST]; /* inside: dot(normal, xy) <= offset */
   uint32_t count;                                             /* 0: nothing is left out */
 } plan_hull;
-/* The hull up to a view depth, with so many metres of room around it. */
+/* The hull up to a view depth, with a square of so many metres around each of its points. */
 void plan_view_hull(plan_hull *out, const plan_camera *camera, const double basis[9], double end, double room);
 void plan_scene_bounds(plan_scene_box *out, const double basis[9], const plan_scene *scene);
 

@@ -32,21 +32,11 @@ static bool outside(const plan_hull *hull, const double low[2], const double hig
   return outside;
 }
 
-/* What a lookup in the coarsest level reaches, in texels of the maps: one and a half of that level's, or, with several
-   samples along a footprint, half of those more. */
-static double levels_reach(const csm_config *config) {
-  plan_moments moments;
-  plan_moments_make(&moments, config);
-  const double texel = ldexp(config->moment_halved ? 2.0 : 1.0, (int)moments.levels - 1);
-  const double samples = config->moment_sampling == CSM_SAMPLING_ANISOTROPIC ? config->moment_anisotropy : 0.0;
-  return moments.levels > 1 ? texel * (1.5 + 0.5 * samples) : 0.0;
-}
-
 void plan_seen_tiles(uint8_t *tiles, const plan_frame *frame, const csm_config *config, uint32_t cascade,
                      uint32_t side) {
   const plan_cascade *of = &frame->cascades[cascade];
   const uint32_t across = plan_tiles_across(side);
-  const double room = fmax(of->texel[0], of->texel[1]) * (plan_padding_texels(config) + levels_reach(config));
+  const double room = fmax(of->texel[0], of->texel[1]) * plan_view_room_texels(config, cascade);
   plan_hull hull = {0};
   if (config->caster_set == CSM_CASTER_SET_VIEW)
     plan_view_hull(&hull, &frame->camera, frame->basis, frame->cascades[frame->cascade_count - 1].info.far_depth, room);

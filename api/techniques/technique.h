@@ -74,7 +74,8 @@ typedef struct technique_image {
   gpu_format format;
   uint32_t width, height, layer;
   uint32_t layers; /* that are read, one after the other, from `layer` on; 0: that one */
-  gpu_rect part;
+  uint32_t levels; /* that can be read; 0: one */
+  gpu_rect part;   /* of the first level; its x and y are 0 where there are more */
   const plan_camera *drawn_with; /* of camera depths: they are converted from its; NULL: read as they are */
   const plan_camera *read_as;    /* to this one's, or, if NULL, to view depths */
 } technique_image;

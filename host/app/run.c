@@ -209,9 +209,10 @@ static int save_outside(const run *r, const picture_view *view, const stage_fram
 
 /* The pictures of one backend; `prefix` keeps two apart. */
 static int save_frame(const run *r, const picture_view *view, const stage_frame *frame, const char *prefix) {
-  static const char *const names[] = {"lit", "mask", "cascades", "density", "maps"};
+  static const char *const names[] = {"lit", "mask", "cascades", "density", "maps", "penumbra"};
+  const float *penumbra = frame->views[CSM_SHOW_PENUMBRA - 1];
   int code = 0;
-  for (int i = 0; i < 5 && code == 0; i++) {
+  for (int i = 0; i < (penumbra ? 6 : 5) && code == 0; i++) {
     image picture;
     if (i == 0)
       picture_lit(&picture, view, frame->mask);
@@ -221,6 +222,8 @@ static int save_frame(const run *r, const picture_view *view, const stage_frame 
       picture_cascades(&picture, view, frame->mask, frame->views[CSM_SHOW_CASCADE - 1]);
     else if (i == 3)
       picture_density(&picture, view, frame->views[CSM_SHOW_DENSITY - 1]);
+    else if (i == 5)
+      picture_penumbra(&picture, view, penumbra);
     else
       picture_maps(&picture, (const float *const *)frame->maps, frame->binding.cascade_count,
                    frame->binding.resolutions, r->setup.config.map_reversed);

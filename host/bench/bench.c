@@ -2,6 +2,7 @@
 #include "base/host.h"
 #include "base/statistics.h"
 #include "bench/bare.h"
+#include "bench/drawn_moments.h"
 #include "bench/engine.h"
 #include "bench/floor.h"
 #include "bench/rows.h"
@@ -49,6 +50,7 @@ typedef struct bench {
   bench_switch switching;
   bench_engine engine; /* drawing them on an engine's Vulkan device */
   bench_bare bare;
+  bench_drawn drawn[2];          /* VSM, EVSM4 */
   bench_rows rows[BENCH_TABLES]; /* as many as were wanted */
   uint32_t table_count;
 } bench;
@@ -208,12 +210,19 @@ static int time_masks(bench *b) {
   return code;
 }
 
+static int time_drawn(bench *b) {
+  const int code = bench_drawn_run(&b->drawn[0], &b->stages[0], FLOOR_VSM, b->options->device, b->pairs);
+  return code ? code : bench_drawn_run(&b->drawn[1], &b->stages[0], FLOOR_EVSM4, b->options->device, b->pairs);
+}
+
 static int time_tables(bench *b) {
   bench_table table;
   int code = time_masks(b);
   bench_table_maps(&table, &b->setup.config);
   if (code == 0)
     code = time_table(b, &table, (bench_floor){b->floor ? draw_floor : NULL, b->floor});
+  if (code == 0 && b->floor && (wanted(b, "moments") || wanted(b, "drawn")))
+    code = time_drawn(b);
   bench_table_moments(&table, &b->setup.config);
   if (code == 0)
     code = time_table(b, &table, (bench_floor){0});
@@ -327,6 +336,10 @@ static json_t *results_to_json(const bench *b) {
     depth_to_json(object, b);
   for (uint32_t i = 0; i < b->table_count; i++)
     json_object_set_new(object, b->rows[i].table.name, bench_rows_to_json(&b->rows[i]));
+  if (b->drawn[0].pairs)
+    json_object_set_new(object, "drawn",
+                        json_pack("{s:o,s:o}", b->drawn[0].name, bench_drawn_to_json(&b->drawn[0]), b->drawn[1].name,
+                                  bench_drawn_to_json(&b->drawn[1])));
   if (b->bare.pairs)
     json_object_set_new(object, "bare", bench_bare_to_json(&b->bare));
   return object;
@@ -345,6 +358,8 @@ static void print_all(FILE *to, const bench *b) {
   }
   for (uint32_t i = 0; i < b->table_count; i++)
     bench_rows_print(to, &b->rows[i]);
+  for (int i = 0; i < 2 && b->drawn[i].pairs; i++)
+    bench_drawn_print(to, &b->drawn[i]);
   if (b->bare.pairs)
     bench_bare_print(to, &b->bare);
 }

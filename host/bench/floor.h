@@ -1,6 +1,6 @@
 /*
  * bench/floor.h: a bare Vulkan loop that clears the cascades' maps and draws the same lists into them, without the
- * faces that csm leaves out. `csm-host bench` measures the library against it.
+ * faces that csm leaves out. `csm-host bench` measures the library against it. It may write moments on the way.
  */
 #ifndef HOST_FLOOR_H
 #define HOST_FLOOR_H
@@ -10,11 +10,15 @@
 
 typedef struct floor_loop floor_loop;
 
+/* What is drawn: a texel has so many floats of moments beside its depth. */
+typedef enum floor_moments { FLOOR_DEPTH = 0, FLOOR_VSM = 2, FLOOR_EVSM4 = 4 } floor_moments;
+
 typedef struct floor_info {
   const scene *scene;
   const plan_frame *frame;      /* its lists name the scene's meshes by index */
   const plan_scene *plan_scene; /* what the frame was planned from, for plan_write_cascade_matrices */
   uint32_t resolution;          /* of each map, in texels a side; D32 */
+  floor_moments moments;        /* of one layer of depth, with the exponents of drawn_moments.h */
   const char *device;           /* part of a device's name, or NULL for the first discrete, integrated, virtual, CPU */
 } floor_info;
 
@@ -33,6 +37,8 @@ double floor_gpu_ms(const floor_loop *loop);
 
 /* Reads a map of the last frame: resolution * resolution depths, top row first. False if the device fails. */
 bool floor_read(floor_loop *loop, uint32_t cascade, float *out);
+/* The same of its moments. */
+bool floor_read_moments(floor_loop *loop, uint32_t cascade, float *out);
 
 /* NULL is allowed. */
 void floor_close(floor_loop *loop);

@@ -1,6 +1,7 @@
 #include "bench/floor_casters.h"
 #include "base/host.h"
 #include "csm/csm.h"
+#include "drawn_code.h"
 #include "private/alpha_mask.h"
 #include "scene/mesh_watertight.h"
 #include "shader_code.h"
@@ -188,10 +189,10 @@ static const VkVertexInputAttributeDescription attributes[] = {{0, 0, VK_FORMAT_
                                                                {3, 1, VK_FORMAT_R32G32B32A32_SFLOAT, 32},
                                                                {4, 2, VK_FORMAT_R32G32_SFLOAT, 0}};
 
-/* One with a pixel shader cuts out. */
-static VkResult make_pipeline(floor_casters *c, VkRenderPass pass, uint32_t side,
-                              const VkPipelineShaderStageCreateInfo stages[2], VkCullModeFlags cull) {
-  const bool cut_out = stages[1].module != VK_NULL_HANDLE;
+/* Stages without a module are left out. */
+static VkResult make_pipeline(floor_casters *c, const floor_target *target,
+                              const VkPipelineShaderStageCreateInfo stages[2], bool cut_out, VkCullModeFlags cull) {
+  const bool colour = target->moments != VK_FORMAT_UNDEFINED;
   const VkPipelineVertexInputStateCreateInfo input = {.sType =
                                                           VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
                                                       .vertexBindingDescriptionCount = cut_out ? 3 : 2,
@@ -204,9 +205,9 @@ static VkResult make_pipeline(floor_casters *c, VkRenderPass pass, uint32_t side
   const VkPipelineViewportStateCreateInfo viewport = {
       .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
       .viewportCount = 1,
-      .pViewports = &(VkViewport){0, (float)side, (float)side, -(float)side, 0, 1},
+      .pViewports = &(VkViewport){0, (float)target->side, (float)target->side, -(float)target->side, 0, 1},
       .scissorCount = 1,
-      .pScissors = &(VkRect2D){{0, 0}, {side, side}}};
+      .pScissors = &(VkRect2D){{0, 0}, {target->side, target->side}}};
   const VkPipelineRasterizationStateCreateInfo raster = {.sType =
                                                              VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
                                                          .depthClampEnable = VK_TRUE,
@@ -219,11 +220,17 @@ static VkResult make_pipeline(floor_casters *c, VkRenderPass pass, uint32_t side
                                                        .depthTestEnable = VK_TRUE,
                                                        .depthWriteEnable = VK_TRUE,
                                                        .depthCompareOp = VK_COMPARE_OP_LESS};
-  const VkPipelineRenderingCreateInfo target = {.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
-                                                .depthAttachmentFormat = VK_FORMAT_D32_SFLOAT};
+  const VkPipelineColorBlendAttachmentState written = {.colorWriteMask = 0xf};
+  const VkPipelineColorBlendStateCreateInfo blend = {.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
+                                                     .attachmentCount = 1,
+                                                     .pAttachments = &written};
+  const VkPipelineRenderingCreateInfo rendering = {.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
+                                                   .colorAttachmentCount = colour,
+                                                   .pColorAttachmentFormats = &target->moments,
+                                                   .depthAttachmentFormat = VK_FORMAT_D32_SFLOAT};
   const VkGraphicsPipelineCreateInfo info = {.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
-                                             .pNext = pass ? NULL : &target,
-                                             .stageCount = cut_out ? 2 : 1,
+                                             .pNext = target->pass ? NULL : &rendering,
+                                             .stageCount = stages[1].module ? 2 : 1,
                                              .pStages = stages,
                                              .pVertexInputState = &input,
                                              .pInputAssemblyState = &assembly,
@@ -231,8 +238,9 @@ static VkResult make_pipeline(floor_casters *c, VkRenderPass pass, uint32_t side
                                              .pRasterizationState = &raster,
                                              .pMultisampleState = &samples,
                                              .pDepthStencilState = &depth,
+                                             .pColorBlendState = colour ? &blend : NULL,
                                              .layout = c->layout,
-                                             .renderPass = pass};
+                                             .renderPass = target->pass};
   return vkCreateGraphicsPipelines(c->vulkan->device, VK_NULL_HANDLE, 1, &info, NULL, &c->pipelines[cut_out][cull]);
 }
 
@@ -241,29 +249,50 @@ static VkPipelineShaderStageCreateInfo make_stage(VkShaderStageFlagBits stage, V
       .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, .stage = stage, .module = module, .pName = "main"};
 }
 
-enum { SHADER_OPAQUE, SHADER_CUT_OUT, SHADER_ALPHA_MASK, SHADER_COUNT };
+/* Pairs by cut out or not. */
+enum { VERTEX, PIXEL = 2, SHADER_COUNT = 4 };
 
-static VkResult make_from(floor_casters *c, VkRenderPass pass, uint32_t side, const VkShaderModule *modules) {
-  const VkPipelineShaderStageCreateInfo solid[2] = {make_stage(VK_SHADER_STAGE_VERTEX_BIT, modules[SHADER_OPAQUE])};
-  const VkPipelineShaderStageCreateInfo cut_out[2] = {
-      make_stage(VK_SHADER_STAGE_VERTEX_BIT, modules[SHADER_CUT_OUT]),
-      make_stage(VK_SHADER_STAGE_FRAGMENT_BIT, modules[SHADER_ALPHA_MASK])};
-  VkResult result = make_pipeline(c, pass, side, cut_out, VK_CULL_MODE_NONE);
+static VkResult make_from(floor_casters *c, const floor_target *target, const VkShaderModule *modules) {
+  VkResult result = VK_SUCCESS;
   for (VkCullModeFlags cull = VK_CULL_MODE_NONE; cull <= VK_CULL_MODE_BACK_BIT && !result; ++cull)
-    result = make_pipeline(c, pass, side, solid, cull);
+    for (int cut_out = 0; cut_out < 2 && !result; ++cut_out) {
+      const VkPipelineShaderStageCreateInfo stages[2] = {
+          make_stage(VK_SHADER_STAGE_VERTEX_BIT, modules[VERTEX + cut_out]),
+          make_stage(VK_SHADER_STAGE_FRAGMENT_BIT, modules[PIXEL + cut_out])};
+      result = make_pipeline(c, target, stages, cut_out, cull);
+    }
   return result;
 }
 
-VkResult floor_casters_make_pipelines(floor_casters *c, VkRenderPass pass, uint32_t side) {
-  const gpu_code *codes[SHADER_COUNT] = {[SHADER_OPAQUE] = &shader_cascade_depth_vs,
-                                         [SHADER_CUT_OUT] = &shader_cascade_depth_alpha_mask_vs,
-                                         [SHADER_ALPHA_MASK] = &shader_alpha_mask_ps};
+typedef struct spirv {
+  const void *code;
+  size_t size;
+} spirv;
+
+/* Opaque casters have no pixel shader where depth alone is drawn. */
+static void choose_shaders(spirv out[SHADER_COUNT], VkFormat moments) {
+  const spirv vertex[] = {{shader_cascade_depth_vs.spirv, shader_cascade_depth_vs.spirv_size},
+                          {shader_cascade_depth_alpha_mask_vs.spirv, shader_cascade_depth_alpha_mask_vs.spirv_size}};
+  const spirv depth[] = {{NULL, 0}, {shader_alpha_mask_ps.spirv, shader_alpha_mask_ps.spirv_size}};
+  const spirv vsm[] = {{drawn_moments_vsm_ps, sizeof drawn_moments_vsm_ps},
+                       {drawn_moments_vsm_alpha_mask_ps, sizeof drawn_moments_vsm_alpha_mask_ps}};
+  const spirv evsm4[] = {{drawn_moments_evsm4_ps, sizeof drawn_moments_evsm4_ps},
+                         {drawn_moments_evsm4_alpha_mask_ps, sizeof drawn_moments_evsm4_alpha_mask_ps}};
+  const spirv *pixel = moments == VK_FORMAT_UNDEFINED ? depth : moments == VK_FORMAT_R32G32_SFLOAT ? vsm : evsm4;
+  memcpy(out + VERTEX, vertex, sizeof vertex);
+  memcpy(out + PIXEL, pixel, sizeof depth);
+}
+
+VkResult floor_casters_make_pipelines(floor_casters *c, const floor_target *target) {
+  spirv codes[SHADER_COUNT];
   VkShaderModule modules[SHADER_COUNT] = {VK_NULL_HANDLE};
   VkResult result = VK_SUCCESS;
+  choose_shaders(codes, target->moments);
   for (int i = 0; i < SHADER_COUNT && !result; ++i)
-    result = vulkan_shader(c->vulkan, codes[i]->spirv, codes[i]->spirv_size, &modules[i]);
+    if (codes[i].code)
+      result = vulkan_shader(c->vulkan, codes[i].code, codes[i].size, &modules[i]);
   if (!result)
-    result = make_from(c, pass, side, modules);
+    result = make_from(c, target, modules);
   for (int i = 0; i < SHADER_COUNT; ++i)
     vkDestroyShaderModule(c->vulkan->device, modules[i], NULL);
   return result;

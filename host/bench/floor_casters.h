@@ -29,8 +29,15 @@ typedef struct floor_casters {
 
 /* Uploads the meshes, whose bounds are given, and waits. floor_casters_close is allowed after an error, too. */
 VkResult floor_casters_open(floor_casters *out, vulkan_commands *commands, const scene *s, const plan_bounds *bounds);
-/* The pipelines for a pass that has one D32 attachment of `side` times `side` texels; NULL: for dynamic rendering. */
-VkResult floor_casters_make_pipelines(floor_casters *c, VkRenderPass pass, uint32_t side);
+
+/* What pipelines draw into. */
+typedef struct floor_target {
+  VkRenderPass pass; /* VK_NULL_HANDLE: dynamic rendering */
+  uint32_t side;     /* in texels, of a D32 attachment */
+  VkFormat moments;  /* of a colour attachment beside it: of two floats VSM's, of four EVSM4's. VK_FORMAT_UNDEFINED:
+                        there is none */
+} floor_target;
+VkResult floor_casters_make_pipelines(floor_casters *c, const floor_target *target);
 void floor_casters_close(floor_casters *c);
 
 /* What an instance's matrix takes in a vertex buffer. */

@@ -34,6 +34,8 @@ void bench_table_modes(bench_table *out, const csm_config *config);
 void bench_table_maps(bench_table *out, const csm_config *config);
 /* Making and blurring moments, against the maps' passes of the configuration. */
 void bench_table_moments(bench_table *out, const csm_config *config);
+/* Makes a configuration that of its rows: a filter's moments of four maps of 1024 texels a side, blurred. */
+void bench_moments_config(csm_config *config, uint32_t filter, uint32_t radius);
 
 /*
  * The least that such a pass may take. It is drawn once, and gives its milliseconds on the GPU, or a negative number.

@@ -157,15 +157,18 @@ void bench_table_maps(bench_table *out, const csm_config *config) {
   add_fits(out);
 }
 
-/* Moments of four maps of 1024 texels a side, blurred. */
-static csm_config *add_moments(bench_table *table, const char *name, uint32_t filter, uint32_t radius) {
-  csm_config *config = add(table, name);
+void bench_moments_config(csm_config *config, uint32_t filter, uint32_t radius) {
   config->cascade_count = 4;
   config->resolution = 1024;
   config->filter = filter;
   config->moment_blur_texels = radius;
   config->moment_levels = 1;
   config->moment_sampling = CSM_SAMPLING_BILINEAR;
+}
+
+static csm_config *add_moments(bench_table *table, const char *name, uint32_t filter, uint32_t radius) {
+  csm_config *config = add(table, name);
+  bench_moments_config(config, filter, radius);
   return config;
 }
 

@@ -276,6 +276,84 @@ static int draw_kind(hard_run *run, const caster_kind *kind, caster_drawing *d) 
   return code;
 }
 
+/* ---- what a view leaves out ---- */
+
+/* Boxes in the air all around a narrow view, each of its own, under a large sun. */
+static void make_crowd(caster_scene *s) {
+  begin(s, (const double[3]){0, 6, 4}, (const double[3]){0.5, 0, -6}, 40.0);
+  hard_look(&s->setup, (const double[3]){0, 6, 4}, (const double[3]){0.5, 0, -6}, 24.0);
+  s->setup.light = hard_sun(50.0, 60.0);
+  s->setup.light.disc_deg = 8.0;
+  for (int i = 0; i < 32 * 32; i++)
+    add_box(s, (const double[3]){-31.0 + 2.0 * (i % 32), 3.0 + i % 3, 12.0 - 2.0 * (i / 32)},
+            (const double[3]){0.7, 0.3, 0.7});
+}
+
+/* A filter that reads far beside what it is asked for. */
+typedef struct reader {
+  const char *name;
+  uint32_t filter, blur, levels, sampling;
+} reader;
+
+static csm_config reader_config(const host_setup *setup, const reader *r, uint32_t cascades, uint32_t caster_set) {
+  csm_config config = setup->config;
+  config.caster_set = caster_set;
+  config.depth_mode = CSM_DEPTH_SLICE; /* ranges that do not follow casters */
+  config.cascade_count = cascades;
+  config.resolution = 512;
+  config.filter = r->filter;
+  config.filter_taps = 31;
+  config.soft_radius_max_texels = 32.0;
+  config.moment_blur_texels = r->blur;
+  config.moment_levels = r->levels ? r->levels : 1;
+  config.moment_sampling = r->sampling;
+  return config;
+}
+
+/* Draws with what casts into the maps, or for the view alone; *casters gets how many were drawn. */
+static int draw_reader(hard_run *run, const csm_config *config, hard_picture *out, uint64_t *casters) {
+  csm_stats stats = {.struct_size = sizeof stats};
+  int code = hard_restart(run, config);
+  if (code == 0)
+    code = hard_draw(run, &run->setup->camera, &run->setup->light, 0, out);
+  if (code == 0 && csm_get_stats(run->stages[0].cascades, &stats))
+    code = HOST_NO_DEVICE;
+  *casters = 0;
+  for (uint32_t i = 0; i < stats.cascade_count; i++)
+    *casters += stats.cascades[i].casters_drawn;
+  return code;
+}
+
+static int draw_readers(hard_run *run, caster_drawing *d) {
+  static const reader readers[] = {{"pcf_n of 31 taps", CSM_FILTER_PCF_N, 0, 0, 0},
+                                   {"evsm4, a blur of 32", CSM_FILTER_EVSM4, 32, 0, 0},
+                                   {"evsm4, 6 levels", CSM_FILTER_EVSM4, 3, 6, CSM_SAMPLING_TRILINEAR},
+                                   {"evsm4, anisotropic", CSM_FILTER_EVSM4, 0, 5, CSM_SAMPLING_ANISOTROPIC},
+                                   {"pcss, 32 texels", CSM_FILTER_PCSS, 0, 0, 0},
+                                   {"backprojection, 32 texels", CSM_FILTER_BACKPROJECTION, 0, 0, 0},
+                                   {"vssm, 32 texels", CSM_FILTER_VSSM, 4, 6, CSM_SAMPLING_TRILINEAR}};
+  caster_scene s = {0};
+  make_crowd(&s);
+  int code = hard_load(run, &s.setup);
+  for (size_t i = 0; code == 0 && i < 2 * sizeof readers / sizeof readers[0]; i++) {
+    const reader *r = &readers[i / 2];
+    uint64_t all = 0, seen = 0;
+    const csm_config whole = reader_config(&s.setup, r, i % 2 ? 3 : 1, CSM_CASTER_SET_MAP);
+    const csm_config view = reader_config(&s.setup, r, i % 2 ? 3 : 1, CSM_CASTER_SET_VIEW);
+    code = draw_reader(run, &whole, &d->drawn, &all);
+    if (code == 0)
+      code = draw_reader(run, &view, &d->other, &seen);
+    if (code)
+      break;
+    const hard_difference difference = hard_compare(run, &d->drawn, &d->other, 0.0);
+    hard_figure_add(run, (double)difference.pixels, 0.0, "px", "pixels that caster_set view changes: %s", r->name);
+    hard_figure_add(run, seen < all ? 0.0 : 1.0, 0.0, "1", "views that leave no caster out");
+  }
+  hard_unload(run);
+  setup_free(&s.setup);
+  return code;
+}
+
 /* ---- wires ---- */
 
 /* A picture from above of a ground under one coarse map, with a wire 3 m up. */
@@ -363,6 +441,8 @@ static int run_case(hard_run *run) {
   int code = 0;
   for (size_t i = 0; code == 0 && i < sizeof kinds / sizeof kinds[0]; i++)
     code = draw_kind(run, &kinds[i], &d);
+  if (code == 0)
+    code = draw_readers(run, &d);
   if (code == 0)
     code = draw_wires(run, &d);
   hard_truth_free(&d.truth);

@@ -68,7 +68,7 @@ static double mean_error(const csm_config *config, const moment_model *model) {
   const double share = moment_error(config, 0);
   double largest = share;
   for (int i = 0; is_warped(config) && i < (config->filter == CSM_FILTER_EVSM4 ? 2 : 1); i++) {
-    const double c = model->exponents[i], error = (2.0 * share + (3.0 + 2.0 * c) * 0x1p-22) / c;
+    const double c = model->exponents[i], error = (share + (3.0 + 2.0 * c) * 0x1p-22) / c;
     largest = i ? fmax(largest, error) : error;
   }
   return largest;

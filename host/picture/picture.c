@@ -123,24 +123,54 @@ void picture_cascades(image *out, const picture_view *view, const float *mask, c
   lit_with_tint(out, view, mask, tint_cascade, cascades);
 }
 
-static void tint_density(float color[3], size_t at, const void *data) {
+/* White, or more blue the less it is, or more red the more, up to three doublings. */
+static void tint_doublings(float color[3], float doublings) {
   static const float one[3] = {1.0f, 1.0f, 1.0f}, few[3] = {0.02f, 0.12f, 1.0f}, many[3] = {1.0f, 0.04f, 0.02f};
-  static const float none[3] = {0.03f, 0.03f, 0.035f};
-  const float *density = data, value = density[at] * 255.0f;
-  const float doublings = (value - 128.0f) / 16.0f, share = fminf(fabsf(doublings) / 3.0f, 1.0f);
+  const float share = fminf(fabsf(doublings) / 3.0f, 1.0f);
   const float *end = doublings < 0.0f ? few : many;
   const float light = 0.45f + 0.55f * fminf(2.0f * luminance(color), 1.0f);
   for (int i = 0; i < 3; i++)
-    color[i] = value < 0.5f ? none[i] : light * (one[i] + (end[i] - one[i]) * share);
+    color[i] = light * (one[i] + (end[i] - one[i]) * share);
 }
 
-void picture_density(image *out, const picture_view *view, const float *density) {
+/* Of what a view of doublings from one on holds. */
+static float doublings_of(float value) {
+  return (value * 255.0f - 128.0f) / 16.0f;
+}
+
+static void tint_density(float color[3], size_t at, const void *data) {
+  static const float none[3] = {0.03f, 0.03f, 0.035f};
+  const float *density = data;
+  if (density[at] > 0.0f)
+    tint_doublings(color, doublings_of(density[at]));
+  else
+    memcpy(color, none, sizeof none);
+}
+
+static void tint_penumbra(float color[3], size_t at, const void *data) {
+  const float *penumbra = data, grey = luminance(color);
+  if (penumbra[at] > 0.0f)
+    tint_doublings(color, doublings_of(penumbra[at]) - 3.0f);
+  else
+    color[0] = color[1] = color[2] = 0.5f * grey;
+}
+
+/* Without shadows, which would be taken for another colour. */
+static void all_lit_with_tint(image *out, const picture_view *view, tint_function tint, const void *data) {
   const size_t pixels = (size_t)view->width * view->height;
   float *lit = host_allocate(pixels, sizeof *lit);
   for (size_t i = 0; i < pixels; i++)
-    lit[i] = 1.0f; /* shadows would be taken for another colour */
-  lit_with_tint(out, view, lit, tint_density, density);
+    lit[i] = 1.0f;
+  lit_with_tint(out, view, lit, tint, data);
   free(lit);
+}
+
+void picture_density(image *out, const picture_view *view, const float *density) {
+  all_lit_with_tint(out, view, tint_density, density);
+}
+
+void picture_penumbra(image *out, const picture_view *view, const float *penumbra) {
+  all_lit_with_tint(out, view, tint_penumbra, penumbra);
 }
 
 void picture_mask(image *out, const picture_view *view, const float *mask) {

@@ -30,6 +30,11 @@ void picture_cascades(image *out, const picture_view *view, const float *mask, c
  * up to eight. Dark where there are none.
  */
 void picture_density(image *out, const picture_view *view, const float *density);
+/*
+ * Radii of penumbrae, as CSM_SHOW_PENUMBRA gives them: white is eight texels, blue is less, down to one, red is more, up to
+ * 64. The scene in grey where there are none.
+ */
+void picture_penumbra(image *out, const picture_view *view, const float *penumbra);
 /* Visibility: white lit, black shadowed; the sky is blue. */
 void picture_mask(image *out, const picture_view *view, const float *mask);
 /*

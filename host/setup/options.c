@@ -44,7 +44,8 @@ static const char help[] =
     "                              itself; the light's own\n"
     "  --backend vulkan|d3d12|both both is the default\n"
     "  --device NAME               part of the device's name\n"
-    "  --out DIR                   run: where lit, mask, cascades, density, maps, frusta, culled and\n"
+    "  --out DIR                   run: where lit, mask, cascades, density, maps, frusta, culled,\n"
+    "                              penumbra (of soft filters) and\n"
     "                              difference.png go; out. Where the backends differ, the\n"
     "                              second one's pictures lie beside them, with its name before each;\n"
     "                              hard: where a picture of each case's worst pixel goes, if it is given\n"
@@ -58,8 +59,10 @@ static const char help[] =
     "  --quick                     bench, report, measure --presets: 5 pairs instead of 31; report: 1, 2 and 4 maps of "
     "512 to 2048\n"
     "  --only PART                 bench: depth (the maps' frame, planning, switching), floors, filters, modes, maps, "
-    "moments, or bare\n"
-    "                              (the 7 x 7 filter against 49 comparisons); all of them if none is named\n"
+    "moments, drawn\n"
+    "                              (moments written while casters are drawn; moments has it, too), or bare (the 7 x 7 "
+    "filter\n"
+    "                              against 49 comparisons); all of them if none is named\n"
     "  --cascades LIST             report: numbers of maps; 1,2,3,4,5,6,7,8\n"
     "  --resolutions LIST          report: texels a side; 512,1024,2048,4096\n"
     "  --minutes M                 report, measure --presets: after one round of all it draws again only while that "
@@ -200,12 +203,13 @@ static int parse_sun_samples(host_options *out, const char *value) {
 }
 
 static int parse_only(host_options *out, const char *value) {
-  static const char *const parts[] = {"depth", "floors", "filters", "modes", "maps", "moments", "bare"};
+  static const char *const parts[] = {"depth", "floors", "filters", "modes", "maps", "moments", "drawn", "bare"};
   out->only = value;
   for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
     if (strcmp(value, parts[i]) == 0)
       return 0;
-  return host_fail(HOST_BAD_INPUT, "--only: not depth, floors, filters, modes, maps, moments or bare: '%s'", value);
+  return host_fail(HOST_BAD_INPUT, "--only: not depth, floors, filters, modes, maps, moments, drawn or bare: '%s'",
+                   value);
 }
 
 static int parse_scene(host_options *out, const char *value) {

@@ -60,7 +60,8 @@ static void compare_views(agreement *out, const stage_frame *a, const stage_fram
   out->views_agree = out->casters_equal = true;
   if (!out->has_views)
     return;
-  for (uint32_t i = 0; i < STAGE_VIEWS; i++) {
+  out->has_penumbra = a->views[CSM_SHOW_PENUMBRA - 1] && b->views[CSM_SHOW_PENUMBRA - 1];
+  for (uint32_t i = 0; i < STAGE_VIEWS && a->views[i] && b->views[i]; i++) {
     for (size_t at = 0; at < pixels; at++)
       out->views[i] += a->views[i][at] != b->views[i][at];
     const double allowed = out->allowed_ulp == 0 ? 0.0 : compare_mask_share * (double)pixels;
@@ -110,8 +111,10 @@ void agreement_print(FILE *to, const agreement *result, const char *name_a, cons
       to, "\n  masks        %s: %" PRIu64 " of %" PRIu64 " pixels differ by more than 1/255, largest difference %.6g\n",
       result->mask_agrees ? "agree" : "DIFFER", result->mask_beyond, result->mask_pixels, (double)result->mask_largest);
   if (result->has_views)
-    fprintf(to, "  views        %s: %" PRIu64 " pixels of cascades and %" PRIu64 " of density differ; casters %s\n",
-            result->views_agree ? "agree" : "DIFFER", result->views[0], result->views[1],
+    fprintf(to,
+            "  views        %s: %" PRIu64 " pixels of cascades, %" PRIu64 " of density and %" PRIu64
+            " of penumbrae differ; casters %s\n",
+            result->views_agree ? "agree" : "DIFFER", result->views[0], result->views[1], result->views[2],
             result->casters_equal ? "are the same" : "DIFFER");
   fprintf(to, "  verdict      %s and %s %s\n", name_a, name_b, result->agrees ? "AGREE" : "DIFFER");
 }
@@ -128,6 +131,8 @@ static json_t *views_to_json(const agreement *result) {
   json_object_set_new(object, "agree", json_boolean(result->views_agree));
   json_object_set_new(object, "cascade_differing", json_integer((json_int_t)result->views[CSM_SHOW_CASCADE - 1]));
   json_object_set_new(object, "density_differing", json_integer((json_int_t)result->views[CSM_SHOW_DENSITY - 1]));
+  if (result->has_penumbra)
+    json_object_set_new(object, "penumbra_differing", json_integer((json_int_t)result->views[CSM_SHOW_PENUMBRA - 1]));
   json_object_set_new(object, "casters_equal", json_boolean(result->casters_equal));
   return object;
 }

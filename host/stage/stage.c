@@ -281,11 +281,19 @@ int stage_read(stage *s, bool maps, stage_frame *out) {
   return code;
 }
 
+static bool has_view(const stage *s, uint32_t show) {
+  const uint32_t filter = s->setup->config.filter;
+  return show != CSM_SHOW_PENUMBRA || filter == CSM_FILTER_PCSS || filter == CSM_FILTER_VSSM ||
+         filter == CSM_FILTER_BACKPROJECTION;
+}
+
 int stage_read_views(stage *s, stage_frame *out) {
   const size_t pixels = (size_t)s->setup->width * s->setup->height, instances = s->setup->scene.instance_count;
   int code = 0;
   s->frame.flags = 0;
   for (uint32_t i = 0; i < STAGE_VIEWS && code == 0; i++) {
+    if (!has_view(s, CSM_SHOW_CASCADE + i))
+      continue;
     code = exit_code(resolve(s, CSM_SHOW_CASCADE + i));
     if (code == 0)
       code = read_back(s, CSM_READ_MASK, 0, pixels, &out->views[i]);

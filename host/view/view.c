@@ -18,20 +18,31 @@ static const double rest_ms = 250.0;
 /* A frame of --frames lasts this long, however long it takes. */
 static const double scripted_seconds = 0.1;
 
-static const char help[] = "  W A S D   fly; E and Q up and down; shift faster; drag the mouse to look around\n"
-                           "  B         swap the backend\n"
-                           "  V         next view: lit, cascades, density, maps, frusta, culled\n"
-                           "  C         the cascades, and back\n"
-                           "  M         the maps, and back\n"
-                           "  F         next filter\n"
-                           "  R         next resolution\n"
-                           "  1 to 8    so many cascades\n"
-                           "  P         next preset\n"
-                           "  H         this text\n"
-                           "  Esc       leave\n";
+static const char help[] =
+    "  W A S D   fly; E and Q up and down; shift faster; drag the mouse to look around\n"
+    "  B         swap the backend\n"
+    "  V         next view: lit, cascades, density, penumbra (of soft filters), maps, frusta, culled\n"
+    "  C         the cascades, and back\n"
+    "  M         the maps, and back\n"
+    "  F         next filter\n"
+    "  R         next resolution\n"
+    "  1 to 8    so many cascades\n"
+    "  P         next preset\n"
+    "  H         this text\n"
+    "  Esc       leave\n";
 
-typedef enum shown { SHOW_LIT, SHOW_CASCADES, SHOW_DENSITY, SHOW_MAPS, SHOW_FRUSTA, SHOW_CULLED, SHOW_COUNT } shown;
-static const char *const shown_names[SHOW_COUNT] = {"lit", "cascades", "density", "maps", "frusta", "culled"};
+typedef enum shown {
+  SHOW_LIT,
+  SHOW_CASCADES,
+  SHOW_DENSITY,
+  SHOW_PENUMBRA,
+  SHOW_MAPS,
+  SHOW_FRUSTA,
+  SHOW_CULLED,
+  SHOW_COUNT
+} shown;
+static const char *const shown_names[SHOW_COUNT] = {"lit",  "cascades", "density", "penumbra",
+                                                    "maps", "frusta",   "culled"};
 
 typedef struct view {
   const host_options *options;
@@ -68,7 +79,8 @@ static int draw(view *v) {
   stage_frame_free(&v->frame);
   if (code == 0)
     code = stage_read(&v->stage, v->shown == SHOW_MAPS, &v->frame);
-  if (code == 0 && (v->shown == SHOW_CASCADES || v->shown == SHOW_DENSITY || v->shown == SHOW_CULLED))
+  if (code == 0 &&
+      (v->shown == SHOW_CASCADES || v->shown == SHOW_DENSITY || v->shown == SHOW_PENUMBRA || v->shown == SHOW_CULLED))
     code = stage_read_views(&v->stage, &v->frame);
   if (code)
     return code;
@@ -118,6 +130,12 @@ static int make_picture(image *picture, const view *v, const picture_view *seen)
     return 0;
   case SHOW_DENSITY:
     picture_density(picture, seen, v->frame.views[CSM_SHOW_DENSITY - 1]);
+    return 0;
+  case SHOW_PENUMBRA: /* a filter that finds none has the picture that is lit */
+    if (v->frame.views[CSM_SHOW_PENUMBRA - 1])
+      picture_penumbra(picture, seen, v->frame.views[CSM_SHOW_PENUMBRA - 1]);
+    else
+      picture_lit(picture, seen, v->frame.mask);
     return 0;
   case SHOW_MAPS:
     picture_maps(picture, (const float *const *)v->frame.maps, v->frame.binding.cascade_count,

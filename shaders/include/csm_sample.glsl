@@ -101,9 +101,7 @@
 #endif
 #endif
 #ifdef CSM_MOMENTS
-// At a place in texels of the map's corner, from its top left corner on.
-#define CSM_MOMENTS_AT(texel, layer, level)                                                                            \
-    textureLod(CSM_MOMENTS, vec3((texel) * CSM_CONSTANT(CSM_S_VARIANCE).w, layer), level)
+#define CSM_MOMENTS_AT(uv, layer, level) textureLod(CSM_MOMENTS, vec3(uv, layer), level)
 #endif
 #define csm_float2 vec2
 #define csm_float3 vec3

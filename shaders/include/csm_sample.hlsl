@@ -84,9 +84,7 @@
 #ifndef CSM_LINEAR
 #define CSM_LINEAR csm_linear
 #endif
-// At a place in texels of the map's corner, from its top left corner on.
-#define CSM_MOMENTS_AT(texel, layer, level)                                                                            \
-    CSM_MOMENTS.SampleLevel(CSM_LINEAR, float4((texel) * CSM_CONSTANT(CSM_S_VARIANCE).w, layer, layer).xyz, level)
+#define CSM_MOMENTS_AT(uv, layer, level) CSM_MOMENTS.SampleLevel(CSM_LINEAR, float4(uv, layer, layer).xyz, level)
 #endif
 #define csm_float2 float2
 #define csm_float3 float3

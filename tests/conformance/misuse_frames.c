@@ -179,7 +179,12 @@ static void masks(void **state) {
       {"an engine's normals", MASK(normals), {.pointer = "an image"}, CSM_ERROR_UNSUPPORTED, "normals"},
       {"an engine's motion", MASK(motion), {.pointer = "an image"}, CSM_ERROR_UNSUPPORTED, "motion"},
       {"a history that is not kept", MASK(show), {CSM_SHOW_HISTORY}, CSM_ERROR_INVALID_VALUE, "history"},
-      {"nothing to show", MASK(show), {3}, CSM_ERROR_INVALID_VALUE, "show"},
+      {"a penumbra that the filter does not find",
+       MASK(show),
+       {CSM_SHOW_PENUMBRA},
+       CSM_ERROR_INVALID_VALUE,
+       "penumbra"},
+      {"nothing to show", MASK(show), {CSM_SHOW_HISTORY + 1}, CSM_ERROR_INVALID_VALUE, "show"},
       {"reserved", MASK(reserved), {1}, CSM_ERROR_INVALID_VALUE, "reserved"},
   };
   fixture f;
@@ -248,6 +253,8 @@ static void reading(void **state) {
       {"nowhere to read to", READ(data), {0}, CSM_ERROR_NULL_POINTER, "data"},
       {"too little room", READ(size), {sizeof data - 4}, CSM_ERROR_INVALID_VALUE, "size"},
       {"reserved", READ(reserved), {1}, CSM_ERROR_INVALID_VALUE, "reserved"},
+      {"a level of a map", READ(level), {1}, CSM_ERROR_INVALID_INDEX, "level 1 of 1"},
+      {"reserved beside the level", READ(reserved_level), {1}, CSM_ERROR_INVALID_VALUE, "reserved"},
       {"a mask of no view", READ(source), {CSM_READ_MASK}, CSM_ERROR_NULL_POINTER, "view"},
   };
   fixture f;

@@ -132,16 +132,21 @@ static void end(drawn *d) {
   support_close(d->context, &d->record);
 }
 
-static float *read_moments(const drawn *d, uint32_t cascade, size_t count) {
+static float *read_level(const drawn *d, uint32_t cascade, uint32_t level, size_t count) {
   float *data = malloc(count * sizeof *data);
   const csm_read_info info = {.struct_size = sizeof info,
                               .source = CSM_READ_MOMENTS,
                               .cascades = d->cascades,
                               .cascade = cascade,
                               .data = data,
-                              .size = count * sizeof *data};
+                              .size = count * sizeof *data,
+                              .level = level};
   assert_int_equal(csm_read(d->context, &info), CSM_SUCCESS);
   return data;
+}
+
+static float *read_moments(const drawn *d, uint32_t cascade, size_t count) {
+  return read_level(d, cascade, 0, count);
 }
 
 static uint32_t side_of(const csm_config *config, uint32_t cascade) {
@@ -321,6 +326,85 @@ static void moments_are_numbers(void **state) {
     }
 }
 
+/* ---- levels ---- */
+
+/* The mean of a square of `wide` texels of level 0, and of their sizes. */
+static double box_mean(const float *first, size_t side, uint32_t channels, size_t x, size_t y, size_t wide,
+                       double *sizes) {
+  double sum = 0.0, all = 0.0;
+  for (size_t row = y * wide; row < (y + 1) * wide; ++row)
+    for (size_t column = x * wide; column < (x + 1) * wide; ++column) {
+      const double value = first[(row * side + column) * channels];
+      sum += value;
+      all += fabs(value);
+    }
+  *sizes = all / (double)(wide * wide);
+  return sum / (double)(wide * wide);
+}
+
+/* A level is made of the one before with three sums of floats, and stored: in 16 bits to the nearest, of which the least
+   are 2^-24 apart. */
+static void check_level(const drawn *d, const csm_config *config, uint32_t cascade, uint32_t level) {
+  const uint32_t channels = channels_of(config);
+  const size_t side = side_of(config, cascade) >> config->moment_halved, small = side >> level;
+  const bool half = config->moment_format == CSM_MOMENTS_FLOAT16;
+  const double share = level * (3 * 0x1p-24 + (half ? 0x1p-11 : 0.0)), more = half ? level * 0x1p-25 : 0.0;
+  float *first = read_moments(d, cascade, side * side * channels * config->moment_layers);
+  float *got = read_level(d, cascade, level, small * small * channels * config->moment_layers);
+  size_t varied = 0;
+  for (size_t slice = 0; slice < config->moment_layers; ++slice)
+    for (size_t i = 0; i < small * small * channels; ++i) {
+      const size_t texel = i / channels, channel = i % channels;
+      const float *layer = first + slice * side * side * channels + channel;
+      double sizes;
+      const double mean = box_mean(layer, side, channels, texel % small, texel / small, (size_t)1 << level, &sizes);
+      const double value = got[slice * small * small * channels + i];
+      if (!(fabs(value - mean) <= share * sizes + more))
+        fail_msg("filter %u, cascade %u, slice %zu, level %u, texel %zu, moment %zu: %.9g, not %.9g", config->filter,
+                 cascade, slice, level, texel, channel, value, mean);
+      varied += fabs(mean - layer[((texel / small * side + texel % small) << level) * channels]) > 0.01 * sizes;
+    }
+  assert_true(varied > small);
+  free(first);
+  free(got);
+}
+
+static void levels_are_means_of_level_0(void **state) {
+  (void)state;
+  static const trial trials[] = {
+      {.filter = CSM_FILTER_VSM, .layers = 4},
+      {.filter = CSM_FILTER_VSSM, .radius = 3, .layout = CSM_LAYOUT_ATLAS},
+      {.filter = CSM_FILTER_ESM, .radius = 1, .exponent = 30},
+      {.filter = CSM_FILTER_EVSM2, .format = CSM_MOMENTS_FLOAT16, .exponent = 4},
+      {.filter = CSM_FILTER_EVSM4, .radius = 5, .exponent = 40, .negative = 5},
+      {.filter = CSM_FILTER_MSM4, .format = CSM_MOMENTS_FLOAT16, .radius = 3},
+  };
+  enum { LEVELS = 4 }; /* 200 and 136 halve so often */
+  for (size_t i = 0; i < sizeof trials / sizeof *trials; ++i) {
+    csm_config config = config_of(&trials[i]);
+    config.moment_levels = 12;
+    config.moment_sampling = CSM_SAMPLING_TRILINEAR;
+    config.resolutions[1] = 136;
+    drawn d;
+    begin(&d, &config);
+    draw(&d);
+    for (uint32_t cascade = 0; cascade < 2; ++cascade)
+      for (uint32_t level = 1; level < LEVELS; ++level)
+        check_level(&d, &config, cascade, level);
+    float number;
+    const csm_read_info beyond = {.struct_size = sizeof beyond,
+                                  .source = CSM_READ_MOMENTS,
+                                  .cascades = d.cascades,
+                                  .data = &number,
+                                  .size = sizeof number,
+                                  .level = LEVELS};
+    d.record.quiet = true;
+    assert_int_equal(csm_read(d.context, &beyond), CSM_ERROR_INVALID_INDEX);
+    d.record.errors = 0;
+    end(&d);
+  }
+}
+
 /* ---- what is left out ---- */
 
 static float *mask_of(drawn *d, csm_view *view) {
@@ -410,9 +494,8 @@ static void what_is_kept_is_what_is_made_anew(void **state) {
 
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(moments_are_those_of_the_depths),
-      cmocka_unit_test(moments_are_numbers),
-      cmocka_unit_test(what_is_not_seen_is_left_out),
+      cmocka_unit_test(moments_are_those_of_the_depths),   cmocka_unit_test(moments_are_numbers),
+      cmocka_unit_test(levels_are_means_of_level_0),       cmocka_unit_test(what_is_not_seen_is_left_out),
       cmocka_unit_test(what_is_kept_is_what_is_made_anew),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof *tests);

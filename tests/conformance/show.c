@@ -218,6 +218,79 @@ static void the_ground_is_coarse_before_the_camera(void **state) {
   finish(&v);
 }
 
+/* ---- penumbrae ---- */
+
+/* A plate `height` over the ground, along the light, and a camera between them; the plate's edge may cross the picture. */
+typedef struct plate {
+  uint32_t filter;
+  double height, diameter; /* in metres; of the sun, in radians */
+  double slant;            /* of the sun, in radians */
+  bool ends;
+} plate;
+
+static void draw_plate(shown *v, const plate *p, shot *shot, csm_instance instances[2]) {
+  csm_config config = support_config();
+  config.filter = p->filter;
+  config.moment_levels = 8;
+  config.bias_slope_texels = 0;
+  config.shadow_distance = 30;
+  const csm_mesh box = support_box(v->context, 2);
+  const double thin = 1e-3, up = p->height * cos(p->slant);
+  instances[0] = support_instance(box, 0, -thin, 0, 300, thin, 300);
+  instances[1] = support_instance(box, p->ends ? -100 : 0, up - thin, 0, 100, thin, 300);
+  *shot = shot_make(instances, 2);
+  memcpy(shot->light.direction, (const double[]){0, -cos(p->slant), -sin(p->slant)}, sizeof shot->light.direction);
+  shot->light.angular_diameter = p->diameter;
+  support_look_at(shot->camera.view, (const double[]){0, 1.5, 0}, (const double[]){0, 0, -4});
+  support_perspective(shot->camera.projection, 50, (double)width / height, 0.1, 200);
+  draw(v, &config, shot);
+}
+
+/* What lies h before a plane hides a part of the sun where it is no farther to the side than h tan(a / 2). */
+static void check_plate(shown *v, const plate *p) {
+  const csm_config config = support_config();
+  csm_instance instances[2];
+  shot shot;
+  draw_plate(v, p, &shot, instances);
+  int *cascades = resolve(v, &shot, CSM_SHOW_CASCADE), *values = resolve(v, &shot, CSM_SHOW_PENUMBRA);
+  uint32_t seen[4] = {0}, none = 0;
+  for (int at = 0; at < pixels; ++at) {
+    none += cascades[at] && !values[at];
+    if (!cascades[at] || !values[at]) {
+      assert_true(!values[at]);
+      continue;
+    }
+    const double texel = v->binding.cascades[cascades[at] - 1].texel_size;
+    const double radius = (p->height / texel - config.bias_constant_texels) * tan(p->diameter / 2);
+    const double exact = 128 + 16 * log2(radius);
+    assert_true(exact > 1 && exact < 255);
+    if (fabs(values[at] - exact) > 0.5 + 0.05)
+      fail_msg("filter %u, %g m: %d at pixel %d, not %g", p->filter, p->height, values[at], at, exact);
+    ++seen[cascades[at]];
+  }
+  assert_true(seen[1] > 500 && seen[2] > 500);
+  assert_true(p->ends ? none > pixels / 8 : none == 0);
+  free(cascades);
+  free(values);
+}
+
+static void a_penumbra_is_as_wide_as_its_caster_is_high(void **state) {
+  (void)state;
+  static const plate plates[] = {
+      {.filter = CSM_FILTER_PCSS, .height = 10, .diameter = 0.09, .ends = true},
+      {.filter = CSM_FILTER_PCSS, .height = 10, .diameter = 0.00925},
+      {.filter = CSM_FILTER_PCSS, .height = 4, .diameter = 0.3, .slant = 0.6, .ends = true},
+      {.filter = CSM_FILTER_BACKPROJECTION, .height = 10, .diameter = 0.09, .ends = true},
+      {.filter = CSM_FILTER_VSSM, .height = 10, .diameter = 0.09},
+      {.filter = CSM_FILTER_VSSM, .height = 4, .diameter = 0.3},
+  };
+  shown v;
+  open_view(&v);
+  for (size_t i = 0; i < sizeof plates / sizeof *plates; ++i)
+    check_plate(&v, &plates[i]);
+  finish(&v);
+}
+
 /* ---- casters ---- */
 
 static void casters_are_told(void **state) {
@@ -267,6 +340,7 @@ int main(int argc, char **argv) {
       cmocka_unit_test(dithered_points_have_the_cascade_they_got),
       cmocka_unit_test(a_wall_has_the_density_of_its_texels),
       cmocka_unit_test(the_ground_is_coarse_before_the_camera),
+      cmocka_unit_test(a_penumbra_is_as_wide_as_its_caster_is_high),
       cmocka_unit_test(casters_are_told),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);

@@ -189,6 +189,107 @@ static void a_bad_switch_changes_nothing(void **state) {
   support_close(f.context, &f.record);
 }
 
+/* ---- what is kept from frame to frame ---- */
+
+/* A scene that stays, whose moments are kept, with a view that has a history. */
+typedef struct keeper {
+  csm_context *context;
+  csm_cascades *cascades;
+  csm_view *view;
+  csm_scene *scene;
+  csm_instance_id ids[SUPPORT_INSTANCES];
+  support_scene shown;
+} keeper;
+
+static csm_config kept_config(uint32_t filter) {
+  csm_config config = support_config();
+  config.filter = filter;
+  config.moment_exponent = 20; /* a blur shows */
+  config.moment_blur_texels = 3;
+  config.moment_levels = 3;
+  config.moment_sampling = CSM_SAMPLING_TRILINEAR;
+  config.caster_set = CSM_CASTER_SET_VIEW; /* tiles that are seen are made, and stay */
+  config.history = CSM_HISTORY_ON;
+  return config;
+}
+
+static void keeper_open(keeper *k, csm_context *context, const csm_config *config) {
+  *k = (keeper){.context = context, .view = support_view(context)};
+  support_scene_make(&k->shown, context);
+  k->shown.shot.light.angular_diameter = 0.05;
+  assert_int_equal(csm_cascades_create(context, config, &k->cascades), CSM_SUCCESS);
+  assert_int_equal(csm_scene_create(context, &k->scene), CSM_SUCCESS);
+  const csm_scene_batch batch = {
+      .struct_size = sizeof batch, .count = SUPPORT_INSTANCES, .ids = k->ids, .instances = k->shown.instances};
+  assert_int_equal(csm_scene_add(k->scene, &batch), CSM_SUCCESS);
+}
+
+/* At each step another box has been moved, and the camera looks elsewhere. */
+static void keeper_step(keeper *k, int step) {
+  double matrix[16];
+  memcpy(matrix, k->shown.instances[1 + step % SUPPORT_BOXES].transform, sizeof matrix);
+  matrix[12] += 0.7;
+  const csm_scene_batch moved = {
+      .struct_size = sizeof moved, .count = 1, .ids = &k->ids[1 + step % SUPPORT_BOXES], .matrices = matrix};
+  assert_int_equal(csm_scene_move(k->scene, &moved), CSM_SUCCESS);
+  support_look_at(k->shown.shot.camera.view, (const double[3]){-3.0 + 2.5 * step, 4, 6}, (const double[3]){0, 0, -9});
+}
+
+static float *keeper_draw(keeper *k, uint32_t show) {
+  csm_frame frame = *shot_frame(&k->shown.shot);
+  frame.instances = NULL;
+  frame.instance_count = 0;
+  frame.scene = k->scene;
+  const csm_mask_info mask = {
+      .struct_size = sizeof mask, .frame = &frame, .width = width, .height = height, .show = show};
+  assert_int_equal(csm_render_cascades(k->cascades, &frame), CSM_SUCCESS);
+  assert_int_equal(csm_resolve_mask(k->view, k->cascades, &mask), CSM_SUCCESS);
+  return support_image(k->context, k->view, CSM_READ_MASK, width, height);
+}
+
+/* The same steps in a context that has no past, on the backend that the other one has come to: its first frame after a
+   switch, the frame whose moments are kept, and what the history holds. */
+static void compare_with_fresh(keeper *k, const csm_config *config, const char *backend, int step) {
+  record record = {.backend = backend, .allocations_left = -1};
+  keeper fresh;
+  keeper_open(&fresh, support_open(&record), config);
+  for (int i = 0; i <= step; ++i)
+    keeper_step(&fresh, i);
+  for (int frame = 0; frame < 3; ++frame) {
+    const uint32_t show = frame == 2 ? CSM_SHOW_HISTORY : CSM_SHOW_VISIBILITY;
+    float *mine = keeper_draw(k, show), *its = keeper_draw(&fresh, show);
+    for (int i = 0; i < pixels; ++i)
+      if (mine[i] != its[i])
+        fail_msg("step %d, frame %d, pixel %d: %g, not %g", step, frame, i, mine[i], its[i]);
+    free(mine);
+    free(its);
+  }
+  support_close(fresh.context, &record);
+}
+
+static void nothing_is_kept_from_another_device(void **state) {
+  (void)state;
+  static const uint32_t filters[] = {CSM_FILTER_VSM, CSM_FILTER_EVSM4, CSM_FILTER_VSSM};
+  for (size_t i = 0; i < sizeof filters / sizeof *filters; ++i) {
+    fixture f = {0};
+    keeper k;
+    csm_create_info info = support_create_info(&f.record);
+    info.flags |= CSM_CREATE_KEEP_GEOMETRY;
+    assert_int_equal(csm_create(&info, &f.context), CSM_SUCCESS);
+    const csm_config config = kept_config(filters[i]);
+    keeper_open(&k, f.context, &config);
+    for (int step = 0; step < 3; ++step) { /* away, back, and to the same again */
+      const char *backend = step == 0 ? other_backend() : support_backend();
+      keeper_step(&k, step);
+      free(keeper_draw(&k, CSM_SHOW_VISIBILITY));
+      const csm_create_info next = to(&f, backend);
+      assert_int_equal(csm_switch_backend(f.context, &next), CSM_SUCCESS);
+      compare_with_fresh(&k, &config, backend, step);
+    }
+    support_close(f.context, &f.record);
+  }
+}
+
 /* ---- geometry that is supplied again ---- */
 
 static const float positions[9] = {-1, 1, -1, 1, 1, -1, 0, 1, 1};
@@ -346,6 +447,7 @@ int main(int argc, char **argv) {
       cmocka_unit_test(there_and_back),
       cmocka_unit_test(a_switch_may_fail_anywhere),
       cmocka_unit_test(a_bad_switch_changes_nothing),
+      cmocka_unit_test(nothing_is_kept_from_another_device),
       cmocka_unit_test(geometry_is_supplied_again),
       cmocka_unit_test(a_switch_keeps_two_sided_leaves),
       cmocka_unit_test(geometry_that_nobody_has_stays),

@@ -47,6 +47,22 @@ static void open_drawer(drawer *d, const char *backend) {
   telling_make(&d->scene, d->side.context);
 }
 
+static bool is_soft(const csm_config *config) {
+  return config->filter == CSM_FILTER_PCSS || config->filter == CSM_FILTER_VSSM ||
+         config->filter == CSM_FILTER_BACKPROJECTION;
+}
+
+/* The picture of the last step's penumbrae, once its mask has been read. */
+static void show_penumbrae(drawer *d, uint32_t camera, uint32_t width, uint32_t height) {
+  shot shot = telling_shot(&d->scene, camera, TELLING_STEPS - 1, (double)width / height);
+  const csm_mask_info info = {.struct_size = sizeof info,
+                              .frame = shot_frame(&shot),
+                              .width = width,
+                              .height = height,
+                              .show = CSM_SHOW_PENUMBRA};
+  assert_int_equal(csm_resolve_mask(d->side.view, d->side.cascades, &info), CSM_SUCCESS);
+}
+
 /* A frame before, so that what is carried on from one frame to the next has something to begin with. */
 static void draw(drawer *d, const csm_config *config, uint32_t camera, uint32_t width, uint32_t height) {
   csm_cascades **cascades = &d->side.cascades;
@@ -78,6 +94,12 @@ static void draw_case(drawer drawers[2], const csm_config *config, uint32_t inde
   }
   worst->pixels = mask.texels > worst->pixels ? mask.texels : worst->pixels;
   worst->without_shadows += mask.lit < 0.05 || mask.shaded < 0.005;
+  if (is_soft(config)) {
+    for (int i = 0; i < 2; ++i)
+      show_penumbrae(&drawers[i], index, width, height);
+    const sides_image shown = {CSM_READ_MASK, 0, width, height};
+    assert_int_equal(sides_compare(&drawers[0].side, &drawers[1].side, &shown, 0).texels, 0);
+  }
   for (int i = 0; i < 2; ++i) {
     assert_int_equal(csm_cascades_destroy(drawers[i].side.cascades), CSM_SUCCESS);
     assert_int_equal(drawers[i].side.record.warnings + drawers[i].side.record.errors, 0);

@@ -86,10 +86,15 @@ static csm_result ask_casters(world *w) {
 /* ---- reading ---- */
 
 static const spoil_field read_fields[] = {
-    {SPOIL_AT(csm_read_info, source), FIELD_WHOLE, 0},   {SPOIL_AT(csm_read_info, cascades), FIELD_POINTER, 0},
-    {SPOIL_AT(csm_read_info, view), FIELD_POINTER, 0},   {SPOIL_AT(csm_read_info, cascade), FIELD_WHOLE, 0},
-    {SPOIL_AT(csm_read_info, reserved), FIELD_WHOLE, 0}, {SPOIL_AT(csm_read_info, data), FIELD_POINTER, 0},
+    {SPOIL_AT(csm_read_info, source), FIELD_WHOLE, 0},
+    {SPOIL_AT(csm_read_info, cascades), FIELD_POINTER, 0},
+    {SPOIL_AT(csm_read_info, view), FIELD_POINTER, 0},
+    {SPOIL_AT(csm_read_info, cascade), FIELD_WHOLE, 0},
+    {SPOIL_AT(csm_read_info, reserved), FIELD_WHOLE, 0},
+    {SPOIL_AT(csm_read_info, data), FIELD_POINTER, 0},
     {SPOIL_AT(csm_read_info, size), FIELD_LONG, 0},
+    {SPOIL_AT(csm_read_info, level), FIELD_WHOLE, 0},
+    {SPOIL_AT(csm_read_info, reserved_level), FIELD_WHOLE, 0},
 };
 static const spoil_struct read_struct = SPOIL_STRUCT(csm_read_info, read_fields);
 

@@ -1,8 +1,11 @@
-/* The bare loop that bench compares csm with draws the same maps, to the bit. */
+/* The bare loop that bench compares csm with draws the same maps, to the bit, and, where it is told to, their moments. */
 #include "base/host.h"
 #include "bench/floor.h"
 #include "bench/scene_plan.h"
+#include "bench/shaders/drawn_moments.h"
 #include "stage/stage.h"
+#include <float.h>
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -52,34 +55,95 @@ static void add_difficulties(scene *s) {
   scene_add_instance(s, s->instances[0].mesh, mirrored);
 }
 
-static void the_maps_are_the_same(void **state) {
-  (void)state;
+typedef struct floor_test {
   host_options options;
   host_setup setup;
   bench_plan plan;
-  stage s;
-  floor_loop *loop = NULL;
+  floor_loop *loop;
+} floor_test;
+
+static void open_test(floor_test *t, floor_moments moments) {
   char error[512] = "", *words[] = {"csm-host", "bench", "--scene", "town", "--size", "64x64"};
-  assert_int_equal(options_parse(&options, sizeof words / sizeof words[0], words), 0);
-  assert_int_equal(setup_load(&setup, &options), 0);
-  setup.config.resolution = side;
-  add_difficulties(&setup.scene);
-  assert_int_equal(bench_plan_make(&plan, &setup, (uint32_t)setup.scene.instance_count), 0);
+  assert_int_equal(options_parse(&t->options, sizeof words / sizeof words[0], words), 0);
+  assert_int_equal(setup_load(&t->setup, &t->options), 0);
+  t->setup.config.resolution = side;
+  add_difficulties(&t->setup.scene);
+  assert_int_equal(bench_plan_make(&t->plan, &t->setup, (uint32_t)t->setup.scene.instance_count), 0);
+  const floor_info info = {.scene = &t->setup.scene,
+                           .frame = &t->plan.frame,
+                           .plan_scene = &t->plan.scene,
+                           .resolution = side,
+                           .moments = moments};
+  assert_int_equal(floor_open(&t->loop, &info, error, sizeof error), 0);
+}
+
+static void close_test(floor_test *t) {
+  floor_close(t->loop);
+  bench_plan_free(&t->plan);
+  setup_free(&t->setup);
+}
+
+static void the_maps_are_the_same(void **state) {
+  (void)state;
+  floor_test t;
+  stage s;
+  open_test(&t, FLOOR_DEPTH);
   assert_int_equal(stage_open(&s, "vulkan", NULL), 0);
-  assert_int_equal(stage_load(&s, &setup), 0);
-  const floor_info info = {.scene = &setup.scene, .frame = &plan.frame, .plan_scene = &plan.scene, .resolution = side};
-  assert_int_equal(floor_open(&loop, &info, error, sizeof error), 0);
+  assert_int_equal(stage_load(&s, &t.setup), 0);
   size_t drawn = 0;
-  const size_t differing = count_differing(loop, &s, &drawn);
+  const size_t differing = count_differing(t.loop, &s, &drawn);
   assert_int_equal(differing, 0);
   assert_true(drawn > side * side / 10);
-  floor_close(loop);
   stage_close(&s);
-  bench_plan_free(&plan);
-  setup_free(&setup);
+  close_test(&t);
+}
+
+/* What a depth's moments are, in doubles. */
+static void moments_of(double out[4], float depth, floor_moments moments) {
+  const double z = 2.0 * (double)depth - 1.0, grown = exp(DRAWN_EXPONENT * z),
+               fallen = exp(-DRAWN_EXPONENT_NEGATIVE * z);
+  if (moments == FLOOR_VSM)
+    memcpy(out, (const double[4]){z, z * z}, sizeof(double[4]));
+  else
+    memcpy(out, (const double[4]){grown, grown * grown, -fallen, fallen * fallen}, sizeof(double[4]));
+}
+
+/* Every texel has the moments of its own depth, drawn or cleared. Vulkan lets exp(x) be off by 3 + 2 |x| units of the last
+   place, and z by one, so a moment of exp(c z) by 3 + 2 c + c of them, and its square by twice that and its rounding. */
+static void moments_are_those_of_the_depths(void **state) {
+  (void)state;
+  const size_t texels = (size_t)side * side;
+  float *depths = host_allocate(texels, sizeof *depths), *read = host_allocate(texels * 4, sizeof *read);
+  const struct {
+    floor_moments moments;
+    double share;
+  } cases[] = {{FLOOR_VSM, 4.0 * FLT_EPSILON}, {FLOOR_EVSM4, (2.0 * (3.0 + 3.0 * DRAWN_EXPONENT) + 1.0) * FLT_EPSILON}};
+  for (int i = 0; i < 2; i++) {
+    floor_test t;
+    size_t drawn = 0;
+    open_test(&t, cases[i].moments);
+    assert_true(floor_frame(t.loop) >= 0.0);
+    for (uint32_t k = 0; k < t.setup.config.cascade_count; k++) {
+      assert_true(floor_read(t.loop, k, depths) && floor_read_moments(t.loop, k, read));
+      for (size_t at = 0; at < texels; at++) {
+        double expected[4];
+        moments_of(expected, depths[at], cases[i].moments);
+        for (int m = 0; m < (int)cases[i].moments; m++) {
+          const double scale = fmax(fabs(expected[m]), cases[i].moments == FLOOR_VSM ? 1.0 : 0.0);
+          assert_true(fabs((double)read[at * cases[i].moments + m] - expected[m]) <= cases[i].share * scale);
+        }
+        drawn += depths[at] < 1.0f;
+      }
+    }
+    assert_true(drawn > texels / 10);
+    close_test(&t);
+  }
+  free(depths);
+  free(read);
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(the_maps_are_the_same)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(the_maps_are_the_same),
+                                     cmocka_unit_test(moments_are_those_of_the_depths)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

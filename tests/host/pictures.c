@@ -126,6 +126,27 @@ static void density_is_blue_white_and_red(void **state) {
   image_free(&picture);
 }
 
+/* White at eight texels; what has none is grey, and darker than what has. */
+static void penumbrae_are_blue_white_and_red(void **state) {
+  (void)state;
+  sample s;
+  make_sample(&s);
+  const float values[shades] = {1, 128, 176, 224, 255, 0};
+  float penumbra[shades];
+  for (int i = 0; i < shades; i++)
+    penumbra[i] = values[i] / 255.0f;
+  image picture;
+  picture_penumbra(&picture, &s.view, penumbra);
+  const uint8_t(*p)[3] = (const uint8_t(*)[3])picture.pixels;
+  assert_memory_equal(p[0], p[1], 3); /* a texel, and less */
+  assert_true(p[1][2] > p[1][0] + 60 && p[1][2] > p[1][1] + 60);
+  assert_true(p[2][0] > 180 && p[2][0] == p[2][1] && p[2][1] == p[2][2]);
+  assert_memory_equal(p[3], p[4], 3); /* 64 texels, and more */
+  assert_true(p[4][0] > p[4][1] + 60 && p[4][0] > p[4][2] + 60);
+  assert_true(p[5][0] == p[5][1] && p[5][1] == p[5][2] && p[5][0] + 20 < p[2][0]);
+  image_free(&picture);
+}
+
 static void cascades_have_colors_and_beyond_is_grey(void **state) {
   (void)state;
   sample s;
@@ -181,9 +202,9 @@ static void views_agree_to_the_bit(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(lines_are_where_they_should_be), cmocka_unit_test(surfaces_hide_lines),
-      cmocka_unit_test(density_is_blue_white_and_red),  cmocka_unit_test(cascades_have_colors_and_beyond_is_grey),
-      cmocka_unit_test(views_agree_to_the_bit),
+      cmocka_unit_test(lines_are_where_they_should_be),   cmocka_unit_test(surfaces_hide_lines),
+      cmocka_unit_test(density_is_blue_white_and_red),    cmocka_unit_test(cascades_have_colors_and_beyond_is_grey),
+      cmocka_unit_test(penumbrae_are_blue_white_and_red), cmocka_unit_test(views_agree_to_the_bit),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -191,6 +191,9 @@ def check_bench(folder, scene):
                     expect(0 < row[key]["low"] <= row[key]["median"] <= row[key]["high"],
                            f"bench --only {part}: {row['name']}: {key}: {row[key]}")
     if "vulkan" in backends:
+        for name, drawn in bench_part("drawn", folder, scene).items():
+            expect(all(0 < drawn[key]["low"] <= drawn[key]["median"] for key in ("drawn_ms", "made_ms", "drawn/made")),
+                   f"bench --only drawn: {name}: {drawn}")
         bare = bench_part("bare", folder, scene, "640x360")
         expect(bare["differing_pixels"] == 0, f"the 7 x 7 filter is not the loop of 49 taps: {bare}")
         expect(bare["partial_pixels"] > 0, f"there is no edge that could tell them apart: {bare}")
@@ -335,6 +338,11 @@ def check_written(folder, scene):
     if len(backends) == 2:
         expect(numbers["agreement"]["views"] == {"agree": True, "cascade_differing": 0, "density_differing": 0,
                                                  "casters_equal": True}, numbers["agreement"])
+    soft = expect_exit(0, "", "run", "--scene", scene, "--light", "-0.7,-1,0.5:5", "--preset", "soft_low", *all_of_them,
+                       "--size", "96x54", "--out", folder / "soft", "--json", "-")
+    expect((folder / "soft/penumbra.png").is_file() and not (folder / "out/penumbra.png").exists(), "penumbra.png")
+    if len(backends) == 2:
+        expect(json.loads(soft.stdout)["agreement"]["views"]["penumbra_differing"] == 0, soft.stdout)
     frame = dump.Dump(folder / "dump" / backends[0])
     check_frame(frame.frame)
     check_maps(frame)

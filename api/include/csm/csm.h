@@ -474,6 +474,11 @@ enum {
                            clamped to 1..255. n is the larger of the two distances in the map, in texels, that the point
                            moves by from this pixel to the next one along a row and along a column of the mask, on its
                            own surface: 1 is one texel for each pixel, less is coarse, more is wasted */
+  CSM_SHOW_PENUMBRA = 3, /* filters pcss, vssm and backprojection: the radius of the penumbra that the filter found, in
+                            texels of the cascade that CSM_SHOW_CASCADE tells, on the scale of CSM_SHOW_DENSITY: the radius
+                            is 2^((255 v - 128) / 16) texels for what the mask holds, v, from 1/240 to 245. 0 too where
+                            nothing lies before the light. What is more than soft_radius_max_texels is filtered with
+                            that, what is less than soft_radius_least_texels with this */
   CSM_SHOW_HISTORY = 4 /* with csm_config.history: how many frames the pixel of the mask is the mean of, as n / 255. The mask
                           is accumulated as it is for visibility */
 };
@@ -502,7 +507,8 @@ typedef struct csm_mask_info {
  * With csm_config.history each is a frame of the view's history, and the mask the mean of what its frames saw of each
  * surface. It begins anew with another size, with other cascades or another configuration, and with another device.
  * A device's first mask of a kind makes its program, which takes a while.
- * Errors: as csm_render_cascades, and INVALID_STATE (no maps have been drawn with this configuration yet),
+ * Errors: as csm_render_cascades, and INVALID_VALUE (show: no such one; a history that is not kept; a penumbra of a filter
+ * that finds none), INVALID_STATE (no maps have been drawn with this configuration yet),
  * INVALID_HANDLE (a view of another context). [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_resolve_mask(csm_view *view, csm_cascades *cascades, const csm_mask_info *info);
@@ -570,12 +576,14 @@ typedef struct csm_read_info {
   uint32_t reserved;      /* 0 */
   float *data;            /* receives one float a texel, or all of its moments; top row first, without gaps */
   uint64_t size;          /* bytes at data; exactly width * height * 4, times the moments of a texel */
+  uint32_t level;         /* CSM_READ_MOMENTS: of moment_levels, each half as wide as the one before; else 0 */
+  uint32_t reserved_level; /* 0 */
 } csm_read_info;
 
 /*
  * Reads a map, a mask or the camera depth that was drawn for it into memory. Waits for the own device; for tests and
  * tools.
- * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (source, size), INVALID_INDEX (cascade), INVALID_HANDLE (of another
+ * Errors: NULL_POINTER, STRUCT_SIZE, INVALID_VALUE (source, size), INVALID_INDEX (cascade, level), INVALID_HANDLE (of another
  * context), INVALID_STATE (nothing to read yet), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE_LOST, DEVICE,
  * UNSUPPORTED (an engine's device). [render-thread]
  */

@@ -53,20 +53,20 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
   mask_state *state = self;
   device *device = run->device;
   technique_picture *picture = run->picture;
-  const bool shows = picture->show != CSM_SHOW_VISIBILITY && !history_takes(run->config, picture);
+  const uint32_t show = history_takes(run->config, picture) ? CSM_SHOW_VISIBILITY : picture->show;
   engine_imported normals = {0};
   state->ring = *ring;
   csm_result result =
       drawn_image_reserve(&state->mask, device, "mask", GPU_FORMAT_R8_UNORM, picture->width, picture->height);
   if (!result)
     result = import(device, picture, &normals);
-  if (shows)
+  if (show != CSM_SHOW_VISIBILITY)
     normals = (engine_imported){0}; /* checked all the same */
   if (!result)
-    result = mask_program(device, run->config, normals.image, shows, &state->program);
+    result = mask_program(device, run->config, normals.image, show, &state->program);
   if (result)
     return result;
-  gpu_image *moments = shows ? NULL : moments_image(run->cascades, run->config);
+  gpu_image *moments = mask_reads_moments(run->config, show) ? moments_image(run->cascades, run->config) : NULL;
   const uint32_t levels = !moments ? 0 : run->config->moment_levels > 1 ? 2 : 1;
   picture->normals = normals;
   picture->mask = drawn_image_next(&state->mask)->image;

@@ -8,7 +8,7 @@ enum { BIAS_AS_CONFIGURED = -1, PLAIN = 0, GENERAL = 1, PLAIN_CASCADES = 4 };
 
 /* What a program is made for. */
 typedef struct mask_key {
-  uint64_t variant; /* of mask.ps.hlsl; 0: what shows something else than visibility */
+  uint64_t variant; /* of mask.ps.hlsl or mask_penumbra.ps.hlsl; 0: mask_view.ps.hlsl */
   uint64_t normals;
   uint64_t moments; /* how many levels of them are read: none, one, or more */
 } mask_key;
@@ -44,22 +44,29 @@ static csm_result make(gpu gpu, const void *about, gpu_program **out) {
   return gpu_program_create(gpu, &info, out);
 }
 
-static mask_key key_of(const csm_config *config, bool normals, bool shows) {
-  const bool moments = plan_has_moments(config) && !shows;
-  return (mask_key){.variant = shows ? 0 : variant_of(config, normals),
-                    .normals = normals && !shows,
+bool mask_reads_moments(const csm_config *config, uint32_t show) {
+  return plan_has_moments(config) && (show == CSM_SHOW_VISIBILITY || show == CSM_SHOW_PENUMBRA);
+}
+
+static mask_key key_of(const csm_config *config, bool normals, uint32_t show) {
+  const bool moments = mask_reads_moments(config, show), seen = show == CSM_SHOW_VISIBILITY;
+  return (mask_key){.variant = seen ? variant_of(config, normals)
+                               : show == CSM_SHOW_PENUMBRA
+                                   ? shader_key_mask_penumbra(moments ? CSM_FILTER_VSSM : CSM_FILTER_PCSS)
+                                   : 0,
+                    .normals = normals && seen,
                     .moments = !moments                    ? 0
                                : config->moment_levels > 1 ? 2
                                                            : 1};
 }
 
-csm_result mask_program_create(gpu gpu, const csm_config *config, bool normals, bool shows, gpu_program **out) {
-  const mask_key key = key_of(config, normals, shows);
+csm_result mask_program_create(gpu gpu, const csm_config *config, bool normals, uint32_t show, gpu_program **out) {
+  const mask_key key = key_of(config, normals, show);
   return make(gpu, &key, out);
 }
 
-csm_result mask_program(device *device, const csm_config *config, bool normals, bool shows, gpu_program **out) {
-  const mask_key about = key_of(config, normals, shows);
+csm_result mask_program(device *device, const csm_config *config, bool normals, uint32_t show, gpu_program **out) {
+  const mask_key about = key_of(config, normals, show);
   const program_key key = {.make = make, .name = "a mask program", .about = &about, .size = sizeof about};
   return programs_find(device, &key, out);
 }

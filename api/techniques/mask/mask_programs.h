@@ -7,10 +7,12 @@
 /* Bytes of the constants that a mask's program sees: the cascades' two blocks, and its camera's. */
 enum { MASK_CASCADES_BLOCK = 1280, MASK_CAMERA_BLOCK = 256 };
 
-/* The program that a configuration's masks are drawn with; `shows` is a picture of something else than visibility. */
-csm_result mask_program_create(gpu gpu, const csm_config *config, bool normals, bool shows, gpu_program **out);
-/* The program for a configuration, made if it is the device's first. `normals`: the engine's. `shows`: something else
-   than visibility. */
-csm_result mask_program(device *device, const csm_config *config, bool normals, bool shows, gpu_program **out);
+/* The program that a configuration's masks are drawn with. `normals`: the engine's. `show`: CSM_SHOW_*, of which all but
+   visibility and the penumbra are one program's. */
+csm_result mask_program_create(gpu gpu, const csm_config *config, bool normals, uint32_t show, gpu_program **out);
+/* The same, made if it is the device's first. */
+csm_result mask_program(device *device, const csm_config *config, bool normals, uint32_t show, gpu_program **out);
+/* Whether it reads moments. */
+bool mask_reads_moments(const csm_config *config, uint32_t show);
 
 #endif

@@ -165,6 +165,7 @@ static csm_result find(const void *self, uint32_t source, uint32_t cascade, tech
                            .height = image->shape.side,
                            .layer = cascade * image->shape.depth_layers,
                            .layers = image->shape.depth_layers,
+                           .levels = image->shape.levels,
                            .part = {.width = side, .height = side}};
   return CSM_SUCCESS;
 }
