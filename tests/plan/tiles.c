@@ -46,6 +46,45 @@ static void what_is_seen_is_among_them(void **state) {
   assert_true(left_out > 1000);
 }
 
+/* And so does what a lookup in the coarsest level reads around it: one and a half of that level's texels to each side, where
+   half of the room to the map's border holds them. */
+static void what_levels_read_is_among_them(void **state) {
+  (void)state;
+  random_state random = {3};
+  static uint8_t tiles[MOST];
+  uint32_t read = 0, left_out = 0;
+  for (int i = 0; i < 20 * CAMERAS; ++i) {
+    csm_config config = view_config(&random);
+    config.resolution = 1024;
+    config.cascade_count = 1 + random_below(&random, 2);
+    config.moment_blur_texels = 0;
+    config.moment_levels = 2 + random_below(&random, 6);
+    config.moment_sampling = CSM_SAMPLING_TRILINEAR;
+    test_camera camera = random_camera(&random, 10);
+    double light[3], point[3], at[3];
+    random_unit(&random, light);
+    const plan_frame frame = plan_empty(&config, &camera, light);
+    const uint32_t cascade = random_below(&random, frame.cascade_count);
+    const double side = config.resolution, reach = 1.5 * ldexp(1.0, (int)config.moment_levels - 1) - 0.5;
+    if (frame.unshadowed)
+      continue;
+    plan_seen_tiles(tiles, &frame, &config, cascade, config.resolution);
+    slice_point(&random, &camera, &frame.cascades[cascade].info, point);
+    transform_point(frame.cascades[cascade].info.world_to_shadow, point, at);
+    if (fmax(fabs(at[0] - 0.5), fabs(at[1] - 0.5)) * side > side / 2.0 - 2.0 * reach)
+      continue;
+    const uint32_t across = plan_tiles_across(config.resolution);
+    for (int corner = 0; corner < 4; ++corner) {
+      const double x = at[0] * side + (corner & 1 ? reach : -reach), y = at[1] * side + (corner & 2 ? reach : -reach);
+      assert_int_equal(tiles[(uint32_t)y / PLAN_TILE * across + (uint32_t)x / PLAN_TILE], 1);
+      ++read;
+    }
+    for (uint32_t k = 0; k < across * across; ++k)
+      left_out += !tiles[k];
+  }
+  assert_true(read > 1000 && left_out > 1000);
+}
+
 /* For views that see all, nothing is left out. */
 static void maps_are_whole(void **state) {
   (void)state;
@@ -105,6 +144,7 @@ static void another_place_is_another_map(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_is_seen_is_among_them),
+      cmocka_unit_test(what_levels_read_is_among_them),
       cmocka_unit_test(maps_are_whole),
       cmocka_unit_test(a_blur_has_the_sum_1),
       cmocka_unit_test(another_place_is_another_map),

@@ -476,7 +476,7 @@ enum {
                            own surface: 1 is one texel for each pixel, less is coarse, more is wasted */
   CSM_SHOW_PENUMBRA = 3, /* filters pcss, vssm and backprojection: the radius of the penumbra that the filter found, in
                             texels of the cascade that CSM_SHOW_CASCADE tells, on the scale of CSM_SHOW_DENSITY: the radius
-                            is 2^((255 v - 128) / 16) texels for what the mask holds, v, from 1/240 to 245. 0 too where
+                            is 2^((255 v - 128) / 16) texels for what the mask holds, v, from 1/245 to 245. 0 too where
                             nothing lies before the light. What is more than soft_radius_max_texels is filtered with
                             that, what is less than soft_radius_least_texels with this */
   CSM_SHOW_HISTORY = 4 /* with csm_config.history: how many frames the pixel of the mask is the mean of, as n / 255. The mask
