@@ -1,6 +1,7 @@
 #include "app/run.h"
 #include "base/host.h"
 #include "base/interrupt.h"
+#include "base/output_file.h"
 #include "picture/outside.h"
 #include "picture/picture.h"
 #include "scene/camera_json.h"
@@ -12,8 +13,6 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define PATH_SIZE 4096
 
 typedef struct run {
   const host_options *options;
@@ -182,9 +181,9 @@ static json_t *run_to_json(const run *r, uint64_t peak) {
 /* ---- pictures ---- */
 
 static int save(image *picture, const char *folder, const char *prefix, const char *name) {
-  char path[PATH_SIZE];
-  int code = HOST_BAD_INPUT;
-  if ((size_t)snprintf(path, sizeof path, "%s/%s%s.png", folder, prefix, name) < sizeof path)
+  char path[OUTPUT_PATH_SIZE];
+  int code = output_path(path, folder, "%s%s.png", prefix, name);
+  if (code == 0)
     code = image_write_png(picture, path);
   image_free(picture);
   return code;

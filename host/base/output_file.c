@@ -1,12 +1,26 @@
 #include "base/output_file.h"
+#include "base/host.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+int output_path(char path[OUTPUT_PATH_SIZE], const char *folder, const char *format, ...) {
+  const size_t room = OUTPUT_PATH_SIZE;
+  va_list arguments;
+  size_t used = (size_t)snprintf(path, room, "%s/", folder);
+  if (used < room) {
+    va_start(arguments, format);
+    used += (size_t)vsnprintf(path + used, room - used, format, arguments);
+    va_end(arguments);
+  }
+  return used < room ? 0 : host_fail(HOST_BAD_INPUT, "the folder's name is too long: '%s'", folder);
+}
 
 /* Another program may write the same file, so what is not whole yet has the process's number in its name. */
 static const char *place(output_file *out, const char *path, mode_t *mode) {

@@ -7,6 +7,10 @@
 
 enum { OUTPUT_PATH_SIZE = 4096 };
 
+/* A file in a folder. 0, or HOST_BAD_INPUT after a message: `path` has no room for it. */
+__attribute__((format(printf, 3, 4))) int output_path(char path[OUTPUT_PATH_SIZE], const char *folder,
+                                                      const char *format, ...);
+
 typedef struct output_file {
   FILE *stream;
   char path[OUTPUT_PATH_SIZE];         /* where it goes, links followed */

@@ -1,14 +1,13 @@
 /* command.c: csm-host hard: runs cases, and tells their figures. */
 #include "base/host.h"
 #include "base/image.h"
+#include "base/output_file.h"
 #include "hard/cases.h"
 #include "setup/output.h"
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define PATH_SIZE 4096
 
 /* ---- figures ---- */
 
@@ -111,14 +110,15 @@ json_t *hard_run_to_json(const hard_run *run) {
 }
 
 static int save_worst(const hard_run *run, const char *folder) {
-  char path[PATH_SIZE];
+  char path[OUTPUT_PATH_SIZE];
   image picture;
   if (!run->worst.expected)
     return 0;
-  if ((size_t)snprintf(path, sizeof path, "%s/%s.png", folder, run->hard_case->name) >= sizeof path)
-    return host_fail(HOST_BAD_INPUT, "--out: too long");
+  int code = output_path(path, folder, "%s.png", run->hard_case->name);
+  if (code)
+    return code;
   hard_worst_picture(&picture, &run->worst);
-  const int code = image_write_png(&picture, path);
+  code = image_write_png(&picture, path);
   image_free(&picture);
   return code;
 }

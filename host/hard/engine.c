@@ -43,15 +43,14 @@ bool hard_engine_there(const host_options *options) {
 
 static int open_context(hard_engine *e) {
   const csm_vulkan_device lent = vulkan_device_lend(&e->vulkan);
-  char error[512] = "";
   const csm_create_info info = {.struct_size = sizeof info,
                                 .version = CSM_VERSION,
                                 .backend = host_backend_names[0],
                                 .vulkan = &lent,
-                                .error = error,
-                                .error_size = sizeof error};
+                                .log = stage_log,
+                                .user = &e->stage};
   e->stage.backend = host_backend_names[0];
-  return csm_create(&info, &e->stage.context) ? host_fail(HOST_NO_DEVICE, "the engine's device: %s", error) : 0;
+  return csm_create(&info, &e->stage.context) ? HOST_NO_DEVICE : 0;
 }
 
 static VkResult input_open(hard_engine *e, input *out, VkFormat format, uint32_t texel_bytes) {
@@ -120,9 +119,7 @@ static int make_own_mesh(hard_engine *e, size_t index) {
     info.bounds_min[axis] = (float)minimum[axis];
     info.bounds_max[axis] = (float)maximum[axis];
   }
-  return csm_mesh_create(e->stage.context, &info, &own->handle)
-             ? host_fail(HOST_BAD_INPUT, "an engine's mesh: %s", csm_last_error(e->stage.context))
-             : 0;
+  return csm_mesh_create(e->stage.context, &info, &own->handle) ? HOST_BAD_INPUT : 0;
 }
 
 /* The instances draw them in place of the copied ones. */
@@ -143,8 +140,7 @@ static int use_own_meshes(hard_engine *e) {
                                  .count = (uint32_t)from->instance_count,
                                  .ids = e->stage.instances,
                                  .instances = instances};
-  if (csm_scene_change(e->stage.scene, &batch))
-    code = host_fail(HOST_BAD_INPUT, "an engine's meshes: %s", csm_last_error(e->stage.context));
+  code = csm_scene_change(e->stage.scene, &batch) ? HOST_BAD_INPUT : 0;
   free(instances);
   return code;
 }
@@ -257,7 +253,7 @@ int hard_engine_draw(hard_engine *e, const hard_inputs *inputs, const camera *fr
   const csm_result result = record(e, inputs);
   code = refuse(vulkan_commands_finish(&e->commands));
   if (result)
-    return host_fail(HOST_BAD_INPUT, "an engine's frame: %s", csm_last_error(e->stage.context));
+    return HOST_BAD_INPUT;
   csm_retire(e->stage.context, e->frame);
   for (size_t i = 0; code == 0 && i < pixels; i++)
     mask[i] = ((const uint8_t *)e->mask.mapped)[i] / 255.0f;
@@ -268,7 +264,7 @@ int hard_engine_map(hard_engine *e, uint32_t index, csm_cascade_info *cascade, f
   csm_binding binding = {.struct_size = sizeof binding};
   vulkan_buffer texels = {0};
   if (csm_bind(e->stage.cascades, &binding))
-    return host_fail(HOST_BAD_INPUT, "an engine's maps: %s", csm_last_error(e->stage.context));
+    return HOST_BAD_INPUT;
   const uint32_t side = binding.resolutions[index];
   const size_t size = (size_t)side * side * sizeof(float);
   *cascade = binding.cascades[index];

@@ -1,6 +1,7 @@
 #include "measure/measure.h"
 #include "base/host.h"
 #include "base/interrupt.h"
+#include "base/output_file.h"
 #include "measure/error_picture.h"
 #include "measure/path.h"
 #include "measure/truth_frame.h"
@@ -11,8 +12,6 @@
 #include "stage/dump.h"
 #include <inttypes.h>
 #include <stdlib.h>
-
-#define PATH_SIZE 4096
 
 typedef struct measurement {
   const host_options *options;
@@ -203,9 +202,9 @@ static json_t *to_json(const measurement *m) {
 /* ---- pictures ---- */
 
 static int save(image *picture, const char *folder, const char *backend, const char *name) {
-  char path[PATH_SIZE];
-  int code = HOST_BAD_INPUT;
-  if ((size_t)snprintf(path, sizeof path, "%s/%s%s%s.png", folder, backend, *backend ? "-" : "", name) < sizeof path)
+  char path[OUTPUT_PATH_SIZE];
+  int code = output_path(path, folder, "%s%s%s.png", backend, *backend ? "-" : "", name);
+  if (code == 0)
     code = image_write_png(picture, path);
   image_free(picture);
   return code;

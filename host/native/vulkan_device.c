@@ -60,6 +60,18 @@ static bool has_rendering(const vulkan_device *out) {
   return false;
 }
 
+/* What csm needs, and what it makes use of where a device has it: docs/embedding.md. */
+static void choose_features(vulkan_device *out) {
+  VkPhysicalDeviceFeatures all;
+  vkGetPhysicalDeviceFeatures(out->physical, &all);
+  out->features =
+      (VkPhysicalDeviceFeatures){.depthClamp = VK_TRUE,
+                                 .depthBiasClamp = all.depthBiasClamp,
+                                 .samplerAnisotropy = all.samplerAnisotropy,
+                                 .fragmentStoresAndAtomics = all.fragmentStoresAndAtomics,
+                                 .shaderStorageImageExtendedFormats = all.shaderStorageImageExtendedFormats};
+}
+
 static VkResult open_device(vulkan_device *out, bool rendering) {
   VkQueueFamilyProperties families[16];
   uint32_t count = sizeof families / sizeof families[0];
@@ -71,7 +83,7 @@ static VkResult open_device(vulkan_device *out, bool rendering) {
                                          .queueFamilyIndex = out->family,
                                          .queueCount = 1,
                                          .pQueuePriorities = &priority};
-  out->features = (VkPhysicalDeviceFeatures){.depthClamp = VK_TRUE};
+  choose_features(out);
   const VkPhysicalDeviceDynamicRenderingFeatures feature = {
       .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DYNAMIC_RENDERING_FEATURES, .dynamicRendering = VK_TRUE};
   const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,

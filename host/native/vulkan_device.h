@@ -17,8 +17,8 @@ typedef struct vulkan_device {
 } vulkan_device;
 
 /*
- * Opens a device with Vulkan 1.1 and depth clamp, nothing else: one whose name holds `name`, or, if that is NULL, the
- * first discrete, integrated, virtual, CPU one. vulkan_device_close is allowed after an error, too.
+ * Opens a device with Vulkan 1.1 and the features that csm makes use of, nothing else: one whose name holds `name`, or,
+ * if that is NULL, the first discrete, integrated, virtual, CPU one. vulkan_device_close is allowed after an error, too.
  */
 VkResult vulkan_device_open(vulkan_device *out, const char *name);
 /* The same with dynamic rendering where the device has it, as csm's own has. */

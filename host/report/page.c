@@ -40,8 +40,9 @@ static int write_json(FILE *file, const json_t *data) {
 static int write_file(const char *folder, const char *name, int (*write)(FILE *, const json_t *), const json_t *data) {
   char path[OUTPUT_PATH_SIZE];
   output_file file;
-  if ((size_t)snprintf(path, sizeof path, "%s/%s", folder, name) >= sizeof path)
-    return host_fail(HOST_BAD_INPUT, "--out: the folder's name is too long");
+  const int code = output_path(path, folder, "%s", name);
+  if (code)
+    return code;
   const char *problem = output_file_open(&file, path);
   if (!problem) {
     const int failed = write(file.stream, data);

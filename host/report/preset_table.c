@@ -146,7 +146,8 @@ static json_t *against_to_json(const report_scene *s, uint32_t point, uint32_t b
   const bound *most = bound_of(s->sweep.points[point].name);
   json_t *object = json_object();
   json_object_set_new(object, "preset", json_string(s->sweep.points[best].name));
-  json_object_set_new(object, "error", json_real(part.error));
+  json_object_set_new(object, "error",
+                      isfinite(part.error) ? json_real(part.error) : json_null()); /* the best has none */
   json_object_set_new(object, "gpu_ms", estimate_to_json(&part.ms));
   if (most) {
     json_object_set_new(object, "most_error", json_real(most->error));

@@ -6,7 +6,7 @@
 
 #define TIMED_FRAMES 3
 
-static void CSM_CALL log_message(void *user, int32_t level, const char *message) {
+void CSM_CALL stage_log(void *user, int32_t level, const char *message) {
   const stage *s = user;
   if (!s->quiet && (level == CSM_LOG_ERROR || level == CSM_LOG_WARNING))
     fprintf(stderr, "csm-host: %s: %s: %s\n", s->backend, level == CSM_LOG_ERROR ? "error" : "warning", message);
@@ -62,7 +62,7 @@ int stage_open(stage *out, const char *backend, const char *device) {
                                 .version = CSM_VERSION,
                                 .backend = backend,
                                 .device = device,
-                                .log = log_message,
+                                .log = stage_log,
                                 .user = out,
                                 .supply = supply_mesh};
   if (csm_create(&info, &out->context) != CSM_SUCCESS)

@@ -43,6 +43,9 @@ typedef struct stage_frame {
   uint8_t *casters;              /* by instance, as csm_get_casters tells; with the views */
 } stage_frame;
 
+/* For csm_create_info.log, with the stage as `user`: prints what is wrong, so that a code of a stage's has its message. */
+void CSM_CALL stage_log(void *user, int32_t level, const char *message);
+
 /* Opens a device. 0, HOST_NO_DEVICE or HOST_BAD_INPUT after a message; stage_close is always allowed. */
 int stage_open(stage *out, const char *backend, const char *device);
 void stage_close(stage *s);

@@ -1,5 +1,6 @@
 #include "view/view.h"
 #include "base/host.h"
+#include "base/output_file.h"
 #include "picture/outside.h"
 #include "picture/picture.h"
 #include "setup/config_json.h"
@@ -361,11 +362,13 @@ static void input_from_key(view_input *out, char key) {
 }
 
 static int save_window(view *v) {
-  char path[4096];
+  char path[OUTPUT_PATH_SIZE];
   image shown;
   int code = host_make_folder(v->options->out);
-  if (code || (size_t)snprintf(path, sizeof path, "%s/view.png", v->options->out) >= sizeof path)
-    return code ? code : HOST_BAD_INPUT;
+  if (code == 0)
+    code = output_path(path, v->options->out, "view.png");
+  if (code)
+    return code;
   view_window_grab(v->window, &shown);
   code = image_write_png(&shown, path);
   image_free(&shown);

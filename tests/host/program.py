@@ -95,6 +95,10 @@ def check_bad_input(folder, scene):
     expect_exit(2, "cannot make the folder", *ours, "--out", "/proc/no/such/folder")
     expect_exit(2, "cannot make the folder", *ours, "--dump", "/proc/no/such/folder")
     expect_exit(2, "cannot write", *ours, "--json", "/proc/no/such/file")
+    full = str(folder)
+    full += "/deep" * ((4090 - len(full)) // 5)  # a folder that there may be, without room for a file's name
+    expect_exit(2, "too long", *ours, "--out", full)
+    expect_exit(2, "too long", "measure", *ours[1:], "--cache", folder / "cache", "--out", full)
     for config, word in (('{"filter": 77}', "filter"), ('{"filter": -1}', "filter"), ('{"resolution": 3}', "resolution"),
                          ('{"split_mode": "manual", "split_distances": [2, 1]}', "contradict")):
         expect_exit(2, word, "config", "--config", write(folder / "bad.json", config))

@@ -4,6 +4,7 @@
 #include "techniques/draw_list.h"
 #include "techniques/drawn_image.h"
 #include "techniques/engine_image.h"
+#include "techniques/pass_timer.h"
 
 enum { ROWS = 4 }; /* float4 rows for each instance's matrix */
 
@@ -18,8 +19,7 @@ typedef struct camera_depth_state {
   plan_camera drawn_with, seen_by; /* the camera that it was drawn with last, and the frame's, for csm_read */
   camera_programs programs;
   ring_range ring; /* of the recording on its way */
-  double gpu_ms;
-  bool measured;
+  pass_timer timer;
 } camera_depth_state;
 
 /* ---- programs ---- */
@@ -107,10 +107,9 @@ static void forget(void *self, device *device) {
 
 static void drop(void *self, device *device) {
   camera_depth_state *state = self;
-  recording_forget_timing(device, state);
+  pass_timer_drop(&state->timer, device);
   drawn_image_drop(&state->depth, device);
   state->programs = (camera_programs){0};
-  state->measured = false;
 }
 
 static void draw(const camera_depth_state *state, const technique_run *run) {
@@ -134,28 +133,16 @@ static void draw(const camera_depth_state *state, const technique_run *run) {
   gpu_marker_end(gpu);
 }
 
-static void take_timing(void *self, const uint64_t *stamps, uint32_t count) {
-  camera_depth_state *state = self;
-  (void)count;
-  state->gpu_ms = (double)(stamps[1] - stamps[0]) * 1e-6;
-  state->measured = true;
-}
-
 static void record(void *self, const technique_run *run) {
   camera_depth_state *state = self;
-  const timing_sink sink = {.take = take_timing, .user = state};
-  uint32_t first = 0;
   const bool own = !run->picture->engines_depth;
-  const bool timed = run->timestamps && recording_expect_timing(run->device, &sink, 2, &first);
-  if (timed)
-    gpu_timestamp(run->device->gpu, first);
+  pass_timer_begin(&state->timer, run, 1);
   if (own) {
     draw(state, run);
     state->drawn_with = *run->picture->depth_camera;
     state->seen_by = *run->picture->camera;
   }
-  if (timed)
-    gpu_timestamp(run->device->gpu, first + 1);
+  pass_timer_step(&state->timer, run);
   if (state->depth.now)
     state->depth.now->drawn = own;
 }
@@ -164,7 +151,7 @@ static void record(void *self, const technique_run *run) {
 
 static void tell_view(const void *self, const device *device, csm_view_stats *stats) {
   const camera_depth_state *state = self;
-  stats->camera_depth_gpu_ms = state->measured ? state->gpu_ms : -1;
+  stats->camera_depth_gpu_ms = pass_timer_ms(&state->timer, 0);
   stats->bytes += drawn_image_bytes(&state->depth, device);
 }
 

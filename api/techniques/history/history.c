@@ -5,6 +5,7 @@
 #include "techniques/drawn_image.h"
 #include "techniques/engine_image.h"
 #include "techniques/inputs.h"
+#include "techniques/pass_timer.h"
 
 enum { BLOCK = 256 };
 _Static_assert(CSM_H_COUNT * 4 * sizeof(float) <= BLOCK, "BLOCK");
@@ -19,8 +20,7 @@ typedef struct history_state {
   plan_past past;   /* what images[last] was drawn for */
   uint32_t frames;  /* that were accumulated, whatever became of them */
   inputs inputs[2]; /* of the history, of the mask */
-  double gpu_ms;
-  bool measured;
+  pass_timer timer;
   /* of the recording on its way */
   bool runs, goes_on; /* goes_on: there is an earlier frame that counts */
   ring_range ring;
@@ -163,14 +163,13 @@ static void forget(void *self, device *device) {
 
 static void drop(void *self, device *device) {
   history_state *state = self;
-  recording_forget_timing(device, state);
+  pass_timer_drop(&state->timer, device);
   for (int i = 0; i < 2; ++i) {
     drawn_image_drop(&state->images[i], device);
     inputs_drop(&state->inputs[i], device);
   }
   drawn_image_drop(&state->mask, device);
   state->past = (plan_past){0};
-  state->measured = false;
 }
 
 void history_drop(const technique_set *view, device *device) {
@@ -178,13 +177,6 @@ void history_drop(const technique_set *view, device *device) {
 }
 
 /* ---- recording ---- */
-
-static void take_timing(void *self, const uint64_t *stamps, uint32_t count) {
-  history_state *state = self;
-  (void)count;
-  state->gpu_ms = (double)(stamps[1] - stamps[0]) * 1e-6;
-  state->measured = true;
-}
 
 /* A history without frames: no pixel finds anything there. */
 static void clear(gpu gpu, const drawn_image *image) {
@@ -207,24 +199,19 @@ static void draw(const history_state *state, device *device, int step, const dra
 static void record(void *self, const technique_run *run) {
   history_state *state = self;
   const gpu gpu = run->device->gpu;
-  const timing_sink sink = {.take = take_timing, .user = state};
-  uint32_t first = 0;
   if (!state->runs) {
     if (state->mask.now)
       state->mask.now->drawn = false;
     return;
   }
-  const bool timed = run->timestamps && recording_expect_timing(run->device, &sink, 2, &first);
-  if (timed)
-    gpu_timestamp(gpu, first);
+  pass_timer_begin(&state->timer, run, 1);
   gpu_marker_begin(gpu, "history");
   if (!state->goes_on)
     clear(gpu, state->images[state->last].now);
   draw(state, run->device, 0, state->images[!state->last].now);
   draw(state, run->device, 1, state->mask.now);
   gpu_marker_end(gpu);
-  if (timed)
-    gpu_timestamp(gpu, first + 1);
+  pass_timer_step(&state->timer, run);
   state->mask.now->drawn = true;
   state->last = !state->last;
   state->past = state->now;
@@ -242,7 +229,7 @@ static void tell_view(const void *self, const device *device, csm_view_stats *st
   uint64_t bytes = drawn_image_bytes(&state->mask, device);
   for (int i = 0; i < 2; ++i)
     bytes += drawn_image_bytes(&state->images[i], device);
-  stats->history_gpu_ms = state->measured ? state->gpu_ms : -1;
+  stats->history_gpu_ms = pass_timer_ms(&state->timer, 0);
   stats->history_bytes = bytes;
   stats->bytes += bytes;
 }

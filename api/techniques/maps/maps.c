@@ -2,6 +2,7 @@
 
 #include "techniques/draw_list.h"
 #include "techniques/maps/casters.h"
+#include "techniques/pass_timer.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -31,7 +32,7 @@ typedef struct maps_state {
   uint64_t offsets[CSM_MAX_CASCADES]; /* in the ring's buffer, where each cascade's matrices begin */
   /* of the last frame */
   csm_cascade_stats cascades[CSM_MAX_CASCADES];
-  double clear_gpu_ms;
+  pass_timer timer; /* of the clear, of each cascade */
 } maps_state;
 
 /* ---- images ---- */
@@ -103,11 +104,8 @@ static csm_result make(void *self, device *device, const csm_config *config) {
 }
 
 static void forget_measured(maps_state *state, device *device) {
-  recording_forget_timing(device, state);
+  pass_timer_drop(&state->timer, device);
   memset(state->cascades, 0, sizeof state->cascades);
-  for (uint32_t i = 0; i < CSM_MAX_CASCADES; ++i)
-    state->cascades[i].gpu_ms = -1;
-  state->clear_gpu_ms = -1;
   state->drawn = false;
 }
 
@@ -220,18 +218,6 @@ static void draw_cascade(const maps_state *state, const technique_run *run, uint
   gpu_pass_end(gpu);
 }
 
-static double between_ms(const uint64_t *stamps, uint32_t first) {
-  return (double)(stamps[first + 1] - stamps[first]) * 1e-6;
-}
-
-/* Begin, cleared, each cascade drawn. */
-static void take_timing(void *self, const uint64_t *stamps, uint32_t count) {
-  maps_state *state = self;
-  state->clear_gpu_ms = between_ms(stamps, 0);
-  for (uint32_t i = 0; i + 2 < count; ++i)
-    state->cascades[i].gpu_ms = between_ms(stamps, 1 + i);
-}
-
 static void count_casters(maps_state *state, const technique_run *run) {
   for (uint32_t i = 0; i < run->plan->cascade_count; ++i) {
     const plan_list *list = &run->plan->cascades[i].list;
@@ -252,22 +238,16 @@ static void clear(const maps_state *state, const technique_run *run) {
 static void draw_all(maps_state *state, const technique_run *run) {
   const gpu gpu = run->device->gpu;
   const uint32_t count = run->plan->cascade_count;
-  const timing_sink sink = {.take = take_timing, .user = state};
-  uint32_t first = 0;
-  const bool timed = run->timestamps && recording_expect_timing(run->device, &sink, 2 + count, &first);
-  if (timed)
-    gpu_timestamp(gpu, first);
+  pass_timer_begin(&state->timer, run, 1 + count);
   clear(state, run);
-  if (timed)
-    gpu_timestamp(gpu, first + 1);
+  pass_timer_step(&state->timer, run);
   for (uint32_t cascade = 0; cascade < count; ++cascade) {
     char name[32];
     snprintf(name, sizeof name, "cascade %u depth", (unsigned)cascade);
     gpu_marker_begin(gpu, name);
     draw_cascade(state, run, cascade);
     gpu_marker_end(gpu);
-    if (timed)
-      gpu_timestamp(gpu, first + 2 + cascade);
+    pass_timer_step(&state->timer, run);
   }
 }
 
@@ -300,7 +280,9 @@ static void bind(const void *self, device *device, csm_binding *binding) {
 static void tell(const void *self, const device *device, csm_stats *stats) {
   const maps_state *state = self;
   memcpy(stats->cascades, state->cascades, sizeof state->cascades);
-  stats->clear_gpu_ms = state->clear_gpu_ms;
+  for (uint32_t i = 0; i < CSM_MAX_CASCADES; ++i)
+    stats->cascades[i].gpu_ms = pass_timer_ms(&state->timer, 1 + i);
+  stats->clear_gpu_ms = pass_timer_ms(&state->timer, 0);
   stats->map_bytes += gpu_image_bytes(device->gpu, state->now.image->image);
 }
 

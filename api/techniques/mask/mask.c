@@ -8,6 +8,7 @@
 #include "techniques/maps/maps.h"
 #include "techniques/mask/mask_programs.h"
 #include "techniques/moments/moments.h"
+#include "techniques/pass_timer.h"
 
 #include <string.h>
 
@@ -18,9 +19,8 @@ _Static_assert(CSM_M_COUNT * 4 * sizeof(float) <= MASK_CAMERA_BLOCK, "MASK_CAMER
 typedef struct mask_state {
   drawn_images mask;
   inputs inputs[2][3]; /* without and with normals; moments: none, of one level, of more */
-  bool accumulated; /* what was drawn is one frame of the view's history, which has the mask */
-  double gpu_ms;
-  bool measured;
+  bool accumulated;    /* what was drawn is one frame of the view's history, which has the mask */
+  pass_timer timer;
   /* of the recording on its way */
   ring_range ring;
   gpu_program *program;
@@ -109,31 +109,20 @@ static void forget(void *self, device *device) {
 
 static void drop(void *self, device *device) {
   mask_state *state = self;
-  recording_forget_timing(device, state);
+  pass_timer_drop(&state->timer, device);
   drawn_image_drop(&state->mask, device);
   for (int normals = 0; normals < 2; ++normals)
     for (int levels = 0; levels < 3; ++levels)
       inputs_drop(&state->inputs[normals][levels], device);
-  state->measured = state->accumulated = false;
-}
-
-static void take_timing(void *self, const uint64_t *stamps, uint32_t count) {
-  mask_state *state = self;
-  (void)count;
-  state->gpu_ms = (double)(stamps[1] - stamps[0]) * 1e-6;
-  state->measured = true;
+  state->accumulated = false;
 }
 
 static void record(void *self, const technique_run *run) {
   mask_state *state = self;
   const gpu gpu = run->device->gpu;
-  const timing_sink sink = {.take = take_timing, .user = state};
   const uint32_t offset = (uint32_t)state->ring.offset;
   const uint32_t offsets[] = {offset, offset + MASK_CASCADES_BLOCK};
-  uint32_t first = 0;
-  const bool timed = run->timestamps && recording_expect_timing(run->device, &sink, 2, &first);
-  if (timed)
-    gpu_timestamp(gpu, first);
+  pass_timer_begin(&state->timer, run, 1);
   gpu_marker_begin(gpu, "mask");
   gpu_pass_begin(gpu, &(gpu_pass_info){.target = state->mask.now->target, .color_load = GPU_LOAD_DISCARD});
   gpu_pass_program(gpu, state->program);
@@ -142,8 +131,7 @@ static void record(void *self, const technique_run *run) {
   gpu_pass_end(gpu);
   gpu_make_readable(gpu, state->mask.now->image, NULL);
   gpu_marker_end(gpu);
-  if (timed)
-    gpu_timestamp(gpu, first + 1);
+  pass_timer_step(&state->timer, run);
   state->mask.now->drawn = true;
   state->accumulated = history_takes(run->config, run->picture);
 }
@@ -157,7 +145,7 @@ static void bind(const void *self, device *device, csm_binding *binding) {
 static void tell_view(const void *self, const device *device, csm_view_stats *stats) {
   const mask_state *state = self;
   const drawn_image *mask = state->mask.now;
-  stats->mask_gpu_ms = state->measured ? state->gpu_ms : -1;
+  stats->mask_gpu_ms = pass_timer_ms(&state->timer, 0);
   stats->bytes += drawn_image_bytes(&state->mask, device);
   if (mask && mask->drawn) {
     stats->width = mask->width;

@@ -2,6 +2,7 @@
 
 #include "techniques/maps/maps.h"
 #include "techniques/moments/passes.h"
+#include "techniques/pass_timer.h"
 
 #include <string.h>
 
@@ -14,7 +15,7 @@ typedef struct moment_objects {
 typedef struct moments_state {
   moment_objects now, fresh;
   inputs inputs[MOMENT_STEPS];
-  double gpu_ms;
+  pass_timer timer;
   moment_work work; /* of the recording on its way */
 } moments_state;
 
@@ -40,8 +41,7 @@ static csm_result make(void *self, device *device, const csm_config *config) {
 
 static void drop(void *self, device *device) {
   moments_state *state = self;
-  recording_forget_timing(device, state);
-  state->gpu_ms = -1;
+  pass_timer_drop(&state->timer, device);
   if (!state->now.device)
     return;
   for (uint32_t i = 0; i < MOMENT_STEPS; ++i)
@@ -102,21 +102,11 @@ static void write(void *self, const technique_run *run) {
   moment_work_write(&state->work, state->now.image, run->config, run->constants, run->constants_size);
 }
 
-static void take_timing(void *self, const uint64_t *stamps, uint32_t count) {
-  moments_state *state = self;
-  (void)count;
-  state->gpu_ms = (double)(stamps[1] - stamps[0]) * 1e-6;
-}
-
 static void record(void *self, const technique_run *run) {
   moments_state *state = self;
   const gpu gpu = run->device->gpu;
   moment_image *image = state->now.image;
-  const timing_sink sink = {.take = take_timing, .user = state};
-  uint32_t first = 0;
-  const bool timed = run->timestamps && recording_expect_timing(run->device, &sink, 2, &first);
-  if (timed)
-    gpu_timestamp(gpu, first);
+  pass_timer_begin(&state->timer, run, 1);
   gpu_marker_begin(gpu, "moments");
   if (!image->begun)
     moment_image_clear(gpu, image);
@@ -124,8 +114,7 @@ static void record(void *self, const technique_run *run) {
   moment_work_record(&state->work, image, &state->now.programs, run->device);
   gpu_make_readable(gpu, image->image, NULL);
   gpu_marker_end(gpu);
-  if (timed)
-    gpu_timestamp(gpu, first + 1);
+  pass_timer_step(&state->timer, run);
   for (uint32_t i = 0; i < image->cascades; ++i)
     for (size_t k = 0; k < (size_t)image->across[i] * image->across[i]; ++k)
       image->valid[i][k] |= image->due[i][k];
@@ -147,7 +136,7 @@ static void bind(const void *self, device *device, csm_binding *binding) {
 
 static void tell(const void *self, const device *device, csm_stats *stats) {
   const moments_state *state = self;
-  stats->moments_gpu_ms = state->now.device ? state->gpu_ms : -1;
+  stats->moments_gpu_ms = pass_timer_ms(&state->timer, 0);
   stats->moment_bytes = state->now.device ? moment_image_bytes(device, state->now.image) : 0;
 }
 
