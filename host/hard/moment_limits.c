@@ -24,7 +24,7 @@ typedef struct settings {
 
 static csm_config make_config(const host_setup *setup, const settings *s) {
   csm_config config = setup->config;
-  config.resolution = 320;
+  config.resolution = s->blur > 7 ? 2560 : 320; /* a blur lies within a step */
   config.filter = s->filter;
   config.moment_layers = s->layers;
   config.moment_format = s->moments;

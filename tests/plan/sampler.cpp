@@ -192,14 +192,13 @@ csm_float4 mixed(float share, csm_float4 a, csm_float4 b) {
   return csm_float4(mixed(share, a.x, b.x), mixed(share, a.y, b.y), mixed(share, a.z, b.z), mixed(share, a.w, b.w));
 }
 
-csm_float4 moments_at(csm_float2 texel, float layer, float level) {
+csm_float4 moments_at(csm_float2 uv, float layer, float level) {
   if (!(layer >= 0 && layer < moments.layers && level >= 0 && level < moments.levels)) {
     moments.outside = true;
     return csm_float4();
   }
   const int side = moments.side >> int(level);
-  const float scale = float(side) * bound.constants[CSM_S_VARIANCE].w;
-  const csm_float2 place = csm_float2(texel.x * scale - 0.5f, texel.y * scale - 0.5f), first = floor(place);
+  const csm_float2 place = csm_float2(uv.x * side - 0.5f, uv.y * side - 0.5f), first = floor(place);
   int at[4];
   for (int i = 0; i < 4; ++i) {
     const float from = i < 2 ? first.x : first.y, share = (i < 2 ? place.x : place.y) - from;
@@ -214,7 +213,7 @@ csm_float4 moments_at(csm_float2 texel, float layer, float level) {
   return mixed(share.y, top, bottom);
 }
 
-#define CSM_MOMENTS_AT(texel, layer, level) moments_at(texel, layer, level)
+#define CSM_MOMENTS_AT(uv, layer, level) moments_at(uv, layer, level)
 #define CSM_CONSTANT(i) bound.constants[i]
 #define CSM_DEPTHS_4(texel, layer) depths_of(texel, layer)
 #define CSM_TEXEL_LIT(texel, layer, reference)                                                                         \
