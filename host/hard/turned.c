@@ -198,7 +198,7 @@ static int follow_path(hard_run *run, const host_setup *setup, const double thro
   int code = hard_restart(run, &config);
   any_aside(aside, through);
   for (int i = -frames; code == 0 && i <= frames; i++) {
-    scene_light light;
+    scene_light light = {0};
     csm_binding binding;
     path_light(&light, through, aside, i * (pi / 180.0));
     /* Settings change on the way, right at the pole too: shape of the maps, and others. */

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """
-presets.py HOST BACKEND...: every preset draws the town on every backend, and these agree; measure compares presets, under
-soft suns too, and holds them against others.
+presets.py HOST BACKEND...: what a preset tells is what is drawn; measure compares presets, under soft suns too, and holds
+them against others. That every preset draws the same everywhere is presets_agree.c's to tell.
 """
 import json
 import pathlib
@@ -98,10 +98,9 @@ def check_shares(results, soft):
     assert results[best]["against"]["gpu_ms"]["median"] == 1
 
 
-names = list(json.loads(run("presets").stdout))
 with tempfile.TemporaryDirectory() as folder:
-    for name in names:
+    for name in ("low", "godot", "filament_pcss", "survey12_evsm"):
         check_drawing(name, folder)
     check_measuring(folder)
     check_soft_suns(folder)
-print(f"{len(names)} presets")
+print("ok")
