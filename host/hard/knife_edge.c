@@ -171,10 +171,7 @@ static int add_figures(hard_run *run, const knife *with, const place *at, const 
   /* The bound: 5 %, a pixel or a texel. */
   const double bound = fmax(0.05 * width, fmax(profile.step, texel));
   const double wrong = fabs(seen[2] - seen[0] - width), moved = fabs(seen[1] - ends[1]);
-  /* A map tells an edge to half a texel, whatever its filter: penumbrae below half a texel come out as wide as a map's
-     hard edge, up to 1.4 texels too wide. That is stated, and not held. */
-  const bool held = !with->stated && width >= 0.5 * texel;
-  hard_figure_add(run, wrong / bound, held ? 1.0 : INFINITY, "1",
+  hard_figure_add(run, wrong / bound, with->stated ? INFINITY : 1.0, "1",
                   "%s: width of a penumbra, of what it may be off, %g deg, %g m", with->name, at->disc_deg, at->height);
   hard_figure_add(run, moved / bound, with->stated ? INFINITY : 1.0, "1", "%s: place of the shadow's edge, likewise",
                   with->name);

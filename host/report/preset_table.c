@@ -52,8 +52,9 @@ typedef struct share {
 
 static share share_of(const report_scene *s, uint32_t point, uint32_t other, uint32_t backend) {
   const report_point *own = &s->sweep.points[point], *to = &s->sweep.points[other];
+  const double error = report_error(s, &own->metrics[backend]);
   return (share){
-      .error = report_error(s, &own->metrics[backend]) / report_error(s, &to->metrics[backend]),
+      .error = error > 0.0 ? error / report_error(s, &to->metrics[backend]) : 0.0, /* none is any share of none */
       .ms = estimate_ratio(own->samples[backend][REPORT_GPU_MS], to->samples[backend][REPORT_GPU_MS], s->sweep.rounds)};
 }
 

@@ -185,8 +185,8 @@ typedef struct csm_config {
   /* Soft shadows: filters pcss, vssm and backprojection. The size of the light is csm_light.angular_diameter. */
   uint32_t soft_penumbra;          /* CSM_PENUMBRA_*: its width from the light's size and metres, or, for a textbook's,
                                       from soft_light_range and the ratio of two depths */
-  uint32_t soft_search_taps;       /* PCSS, VSSM: texels that are searched for blockers, 1 to 64 */
-  uint32_t soft_taps;              /* comparisons, or points of the light's disc, 1 to 64 */
+  uint32_t soft_search_taps;       /* soft filters: texels that are searched for blockers, 1 to 256 */
+  uint32_t soft_taps;              /* comparisons, or points of the light's disc, 1 to 256 */
   uint32_t reserved_soft;          /* 0 */
   double soft_radius_max_texels;   /* search and filter reach no farther than this */
   double soft_radius_least_texels; /* and the filter no less */
