@@ -23,6 +23,7 @@ float main(float4 screen : SV_Position) : SV_Target
     float flatness = decode_flatness(texel.y);
     float steep = 1.0 / (flatness > 0.0 ? flatness : 1.0);
     float lit = clamp(mad(texel.x - 0.5, steep, 0.5), 0.0, 1.0);
-    lit = rests ? lit : now > 0.5 ? max(lit, HISTORY_LIT) : min(lit, 1.0 - HISTORY_LIT);
+    float alone = mad(now - 0.5, steep, 0.5);
+    lit = rests ? lit : now > 0.5 ? max(lit, min(alone, HISTORY_LIT)) : min(lit, max(alone, 1.0 - HISTORY_LIT));
     return settings.y > 0.5 ? decode_frames(texel.y) * (1.0 / 255.0) : lit;
 }
