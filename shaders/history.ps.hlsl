@@ -1,5 +1,5 @@
 // The history of a mask: this frame's visibility, and the mean of the frames before it where they saw the same surface.
-// Out come visibility, how many frames it is the mean of, span and normal (csm_constants.h).
+// Out come visibility, how many frames it is the mean of and how flat (private/history_frames.hlsl), span and normal.
 #include "csm_history.h"
 #include "private/history_inputs.hlsl"
 
@@ -22,10 +22,11 @@ SamplerState csm_point : register(s0);
 static history_inputs inputs;
 
 // How far from the mean of what is around it a history may be, in deviations of a pixel's noise, of which the mean has 3 / 8:
-// the weights' squares add up to 9 / 64. And what share of its frames it loses for each unit that it was farther off.
+// the weights' squares add up to 9 / 64. And how far from what this frame has, in deviations of what is surely noise. And
+// what share of its frames it loses for each unit that it was farther off.
 #define HISTORY_REACH 0.75
-#define HISTORY_STALE 4.0
 #define HISTORY_AWAY 2.0
+#define HISTORY_STALE 4.0
 
 float place_row(float4 row, float2 place, float depth)
 {
@@ -203,7 +204,8 @@ float noise_along(float4 a, float4 b, float4 c, float4 d)
 }
 
 // Visibility around a pixel, of 3 x 3 pixels that count 1, 2 and 1 along each axis, is taken for a plane and noise. A
-// history that is right lies about that plane's middle, or between it and what this frame has; what is around bounds both. An edge that moves is no noise, and leaves no room for what was there before.
+// history that is right lies about that plane's middle, or between it and what this frame has; what is around bounds both.
+// An edge that moves is no noise, and leaves no room for what was there before.
 range range_at(float2 place, float visibility)
 {
     float4 size = inputs.size;

@@ -35,7 +35,7 @@ struct csm_cascades {
   uint32_t current;
   uint64_t renders;
   uint64_t changes; /* of all renders, how many drew other shadows than the one before, but for the maps' jitter */
-  bool drawn; /* maps hold plans[current], planned with config */
+  bool drawn;       /* maps hold plans[current], planned with config */
   double plan_ms, record_ms;
 };
 

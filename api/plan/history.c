@@ -101,9 +101,8 @@ static void put_normals(float *out, const plan_frame *frame, const plan_past *no
  */
 static double most_noise(const csm_config *config) {
   const double side = plan_filter_reach_texels(config) + 1.0;
-  const bool pattern =
-      config->filter == CSM_FILTER_POISSON || config->filter == CSM_FILTER_VOGEL || config->filter == CSM_FILTER_PCSS ||
-      config->filter == CSM_FILTER_BACKPROJECTION;
+  const bool pattern = config->filter == CSM_FILTER_POISSON || config->filter == CSM_FILTER_VOGEL ||
+                       config->filter == CSM_FILTER_PCSS || config->filter == CSM_FILTER_BACKPROJECTION;
   if (!pattern)
     return plan_jitter_room(config) > 0.0 ? 0.5 / side : 0.0;
   const double searched = plan_is_soft(config) ? config->soft_search_taps * 4.0 : 64.0; /* each tap is four texels */

@@ -114,7 +114,7 @@ typedef struct plan_fit_frame {
   const plan_span *casters;          /* of all that casts into the view; NULL: not known, or of no use */
   const plan_history *before;        /* may be NULL */
   plan_history *after;
-  double jitter[2];                  /* of all maps, in texels */
+  double jitter[2]; /* of all maps, in texels */
 } plan_fit_frame;
 
 /* ---- splits ---- */
@@ -168,10 +168,10 @@ void plan_view_to_light(double out[3], const plan_camera *camera, const double b
 /* ---- fit ---- */
 /* Where a map lies in light space, before its casters are known. */
 typedef struct plan_fit {
-  double texel[2];   /* metres along right and up */
-  double anchor[3];  /* the point in light space from which texels and depth steps are counted, metres */
-  double place[2];   /* the number of texels that this point counts as */
-  double origin[2];  /* the map's beginning, in texels from the anchor, but for its jitter */
+  double texel[2];  /* metres along right and up */
+  double anchor[3]; /* the point in light space from which texels and depth steps are counted, metres */
+  double place[2];  /* the number of texels that this point counts as */
+  double origin[2]; /* the map's beginning, in texels from the anchor, but for its jitter */
   double jitter[2];
   double depth[2];   /* of the slice along the light, metres */
   double casters[2]; /* where all casters begin and end along the light, if the map is narrowed to them */

@@ -358,7 +358,7 @@ typedef struct plan_past {
   uint32_t width, height;
   double shadow_end;
   uint64_t settings; /* which configuration of which cascades; 0: there is no past */
-  uint64_t changes;  /* how often its shadows, or what of the scene is seen, had changed; 0: not known */
+  uint64_t changes;  /* how often the cascades' shadows had changed; 0: not known */
 } plan_past;
 
 /* From an earlier picture to this one; the earlier one counts, or is this one itself. */
@@ -403,7 +403,7 @@ void plan_seen_tiles(uint8_t *tiles, const plan_frame *frame, const csm_config *
  */
 bool plan_cascade_same(const plan_frame *before, const plan_frame *now, uint32_t cascade, const plan_scene *scene,
                        uint64_t revision);
-/* Likewise, whether all that a frame's shadows follow from is as it was, but for the maps' jitter. */
+/* Likewise, whether all that a frame's shadows follow from is as it was, but for the maps' jitter, and no receiver moved. */
 bool plan_frame_rests(const plan_frame *before, const plan_frame *now, const plan_scene *scene, uint64_t revision);
 
 /* What csm_draw_info says of a cascade: the world's transform to its clip space, and the planes of what may cast. */

@@ -272,9 +272,8 @@ static void motion_says_where_a_surface_was(void **state) {
       stage_open(&stage, rig);
       stage.config.history = CSM_HISTORY_ON;
       stage_configure(&stage);
-      rig_image *images[] = {
-          make_image(rig, RIG_DEPTH_32, 0, depth),
-          make_motion(rig, formats[format], ways[i].motion, ways[i].halves)};
+      rig_image *images[] = {make_image(rig, RIG_DEPTH_32, 0, depth),
+                             make_motion(rig, formats[format], ways[i].motion, ways[i].halves)};
       const seen seen = {.depth = images[0], .show = CSM_SHOW_HISTORY, .motion = images[1]};
       picture first = draw_seen(&stage, seen), second = draw_seen(&stage, seen);
       assert_true(share_of(&first, 1) == 1.0);

@@ -141,11 +141,14 @@ static void write(void *self, const technique_run *run) {
   const history_state *state = self;
   const technique_picture *picture = run->picture;
   if (state->runs)
-    plan_write_history_constants(
-        state->ring.memory, run->plan,
-        &(plan_picture){
-            .show = picture->show, .normals = picture->normals.image != NULL, .unorm_normals = state->unorm_normals},
-        &(plan_passage){.past = state->goes_on ? &state->past : &state->now, .now = &state->now, .phase = plan_history_phase(state->frames)}, run->config);
+    plan_write_history_constants(state->ring.memory, run->plan,
+                                 &(plan_picture){.show = picture->show,
+                                                 .normals = picture->normals.image != NULL,
+                                                 .unorm_normals = state->unorm_normals},
+                                 &(plan_passage){.past = state->goes_on ? &state->past : &state->now,
+                                                 .now = &state->now,
+                                                 .phase = plan_history_phase(state->frames)},
+                                 run->config);
 }
 
 static void adopt(void *self, device *from) {
@@ -189,7 +192,8 @@ static void take_timing(void *self, const uint64_t *stamps, uint32_t count) {
 
 /* A history without frames: no pixel finds anything there. */
 static void clear(gpu gpu, const drawn_image *image) {
-  gpu_pass_begin(gpu, &(gpu_pass_info){.target = image->target, .color_load = GPU_LOAD_CLEAR,
+  gpu_pass_begin(gpu, &(gpu_pass_info){.target = image->target,
+                                       .color_load = GPU_LOAD_CLEAR,
                                        .clear_color = {0.0f, (float)CSM_H_NO_FRAMES}});
   gpu_pass_end(gpu);
   gpu_make_readable(gpu, image->image, NULL);

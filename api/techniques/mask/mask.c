@@ -17,8 +17,8 @@ _Static_assert(CSM_M_COUNT * 4 * sizeof(float) <= MASK_CAMERA_BLOCK, "MASK_CAMER
 
 typedef struct mask_state {
   drawn_images mask, frame; /* frame: one of the view's history, which has the mask then */
-  inputs inputs[2][3]; /* without and with normals; moments: none, of one level, of more */
-  bool accumulated; /* the frame was drawn last */
+  inputs inputs[2][3];      /* without and with normals; moments: none, of one level, of more */
+  bool accumulated;         /* the frame was drawn last */
   double gpu_ms;
   bool measured;
   /* of the recording on its way */
