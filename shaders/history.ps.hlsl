@@ -1,5 +1,5 @@
 // The history of a mask: this frame's visibility, and the mean of the frames before it where they saw the same surface.
-// Out come visibility, how many frames it is the mean of, span and normal (csm_constants.h).
+// Out come visibility, how many frames it is the mean of and how flat (private/history_frames.hlsl), span and normal.
 #include "csm_history.h"
 #include "private/history_inputs.hlsl"
 
@@ -7,7 +7,7 @@ cbuffer history_block : register(b0)
 {
     float4 mask_c[CSM_H_COUNT]; // CSM_M_SIZE is what depth_steps reads of it
 };
-Texture2D<float> mask : register(t0);
+Texture2D<float2> mask : register(t0);
 Texture2D<float> camera_depth : register(t1);
 Texture2D<float4> history : register(t2);
 #if HISTORY_NORMALS
@@ -22,8 +22,10 @@ SamplerState csm_point : register(s0);
 static history_inputs inputs;
 
 // How far from the mean of what is around it a history may be, in deviations of a pixel's noise, of which the mean has 3 / 8:
-// the weights' squares add up to 9 / 64. And what share of its frames it loses for each unit that it was farther off.
+// the weights' squares add up to 9 / 64. And how far from what this frame has, in deviations of what is surely noise. And
+// what share of its frames it loses for each unit that it was farther off.
 #define HISTORY_REACH 0.75
+#define HISTORY_AWAY 2.0
 #define HISTORY_STALE 4.0
 
 float place_row(float4 row, float2 place, float depth)
@@ -66,6 +68,8 @@ float3 decode_normal(float code)
     return float3(x, y, z);
 }
 
+#include "private/history_frames.hlsl"
+
 // ---- a pixel's surface, now and in the earlier picture ----
 
 struct surface
@@ -75,6 +79,7 @@ struct surface
     float2 place;  // in the earlier picture, in pixels; far outside where there is none
     float span;    // there
     float2 slope;  // of the span, right and down
+    bool rests;    // it and its shadows are as they were
 };
 
 surface surface_at(float2 place, float depth)
@@ -98,10 +103,12 @@ surface surface_at(float2 place, float depth)
     s.place.x = place_row(inputs.place_0, place, depth) * scale;
     s.place.y = place_row(inputs.place_1, place, depth) * scale;
     s.span = place_row(inputs.place_2, place, depth) * scale;
+    s.rests = inputs.clear.z > 0.5;
 #if HISTORY_MOTION
     float2 moved = motion.Load(int3(int2(place), 0)).xy;
     s.place.x = mad(moved.x, inputs.size.x, place.x);
     s.place.y = mad(moved.y, inputs.size.y, place.y);
+    s.rests = s.rests && moved.x == 0.0 && moved.y == 0.0;
 #endif
     bool inside = w > 0.0 && abs(s.place.x) < 65536.0 && abs(s.place.y) < 65536.0;
     s.place.x = inside ? s.place.x : -65536.0;
@@ -118,6 +125,8 @@ struct found
 {
     float visibility;
     float frames;
+    float flatness; // csm_flatness, each times its weight, of those that know
+    float knows;
     float weight;
 };
 
@@ -128,12 +137,15 @@ found add_tap(found sum, surface s, float2 pixel, float weight)
     float right = pixel.x + 0.5 - s.place.x, down = pixel.y + 0.5 - s.place.y;
     float span = mad(right, s.slope.x, mad(down, s.slope.y, s.span));
     float3 normal = decode_normal(tap.w);
-    bool there = pixel.x >= 0.0 && pixel.y >= 0.0 && pixel.x <= last.x && pixel.y <= last.y && tap.y > 0.0;
+    float flatness = decode_flatness(tap.y), frames = decode_frames(tap.y);
+    bool there = pixel.x >= 0.0 && pixel.y >= 0.0 && pixel.x <= last.x && pixel.y <= last.y && frames > 0.0;
     bool as_deep = abs(tap.z - span) <= mad(abs(span), inputs.limits.x, inputs.limits.y);
     bool alike = product(normal, s.normal) >= inputs.limits.z * sqrt(product(normal, normal) * s.square);
     float counts = there && as_deep && alike ? weight : 0.0;
     sum.visibility = mad(counts, tap.x, sum.visibility);
-    sum.frames = mad(counts, tap.y, sum.frames);
+    sum.frames = mad(counts, frames, sum.frames);
+    sum.flatness = mad(counts, flatness, sum.flatness);
+    sum.knows += flatness > 0.0 ? counts : 0.0;
     sum.weight += counts;
     return sum;
 }
@@ -146,6 +158,8 @@ found find_history(surface s)
     found sum;
     sum.visibility = 0.0;
     sum.frames = 0.0;
+    sum.flatness = 0.0;
+    sum.knows = 0.0;
     sum.weight = 0.0;
     sum = add_tap(sum, s, first, (1.0 - share.x) * (1.0 - share.y));
     sum = add_tap(sum, s, float2(first.x + 1.0, first.y), share.x * (1.0 - share.y));
@@ -156,6 +170,16 @@ found find_history(surface s)
 
 // ---- what this frame says ----
 
+// Between two steps of flatness the pixel's place and the frame choose, so that means are not stuck at one.
+float encode_frames(float frames, float flatness, float2 place)
+{
+    float turn = mad(place.x, 0.06711056, mad(place.y, 0.00583715, inputs.clear.w));
+    turn = 52.9829189 * (turn - floor(turn));
+    float step = floor(mad(flatness, 62.0, turn - floor(turn)));
+    step = flatness > 0.0 ? clamp(step, 1.0, 62.0) : 0.0;
+    return mad(step, 65.0, floor(frames + 0.5) + CSM_H_NO_FRAMES);
+}
+
 // What a pixel's history may be.
 struct range
 {
@@ -163,18 +187,35 @@ struct range
     float most;
 };
 
+float squares_of(float4 a)
+{
+    return mad(a.x, a.x, mad(a.y, a.y, mad(a.z, a.z, a.w * a.w)));
+}
+
+// The variance of noise in 3 x 3 pixels, of which four times 2 x 2 come, as Gather orders them: that of the differences along
+// the direction in which they are least, a row, a column or a diagonal. So the step of an edge is no noise.
+float noise_along(float4 a, float4 b, float4 c, float4 d)
+{
+    float across = squares_of(float4(a.z - a.w, b.z - b.w, a.y - a.x, b.y - b.x)) + squares_of(float4(c.y - c.x, d.y - d.x, 0.0, 0.0));
+    float down = squares_of(float4(a.x - a.w, c.x - c.w, a.y - a.z, c.y - c.z)) + squares_of(float4(b.y - b.z, d.y - d.z, 0.0, 0.0));
+    float falling = squares_of(float4(a.y - a.w, b.y - b.w, c.y - c.w, d.y - d.w));
+    float rising = squares_of(float4(a.x - a.z, b.x - b.z, c.x - c.z, d.x - d.z));
+    return min(min(across, down) * (1.0 / 12.0), min(falling, rising) * 0.125);
+}
+
 // Visibility around a pixel, of 3 x 3 pixels that count 1, 2 and 1 along each axis, is taken for a plane and noise. A
-// history that is right lies about that plane's middle, or between it and what this frame has; what is around bounds both. An edge that moves is no noise, and leaves no room for what was there before.
+// history that is right lies about that plane's middle, or between it and what this frame has; what is around bounds both.
+// An edge that moves is no noise, and leaves no room for what was there before.
 range range_at(float2 place, float visibility)
 {
     float4 size = inputs.size;
     float2 uv = place * size.zw;
     float2 low = float2(mad(size.z, -0.5, uv.x), mad(size.w, -0.5, uv.y));
     float2 high = float2(mad(size.z, 0.5, uv.x), mad(size.w, 0.5, uv.y));
-    float4 a = mask.Gather(csm_point, low);
-    float4 b = mask.Gather(csm_point, float2(high.x, low.y));
-    float4 c = mask.Gather(csm_point, float2(low.x, high.y));
-    float4 d = mask.Gather(csm_point, high);
+    float4 a = mask.GatherRed(csm_point, low);
+    float4 b = mask.GatherRed(csm_point, float2(high.x, low.y));
+    float4 c = mask.GatherRed(csm_point, float2(low.x, high.y));
+    float4 d = mask.GatherRed(csm_point, high);
     float4 all = a + b + (c + d), squares = mad(a, a, mad(b, b, mad(c, c, d * d)));
     float mean = (all.x + all.y + (all.z + all.w)) * 0.0625;
     float square = (squares.x + squares.y + (squares.z + squares.w)) * 0.0625;
@@ -188,6 +229,9 @@ range range_at(float2 place, float visibility)
     range r;
     r.least = max(min(visibility, mean - reach), min(min(least.x, least.y), min(least.z, least.w)));
     r.most = min(max(visibility, mean + reach), max(max(most.x, most.y), max(most.z, most.w)));
+    float away = mad(min(sqrt(noise_along(a, b, c, d)), inputs.noise.x), HISTORY_AWAY, 1.0 / 255.0);
+    r.least = max(r.least, visibility - away);
+    r.most = min(r.most, visibility + away);
     return r;
 }
 
@@ -196,13 +240,14 @@ float4 main(history_inputs pixel) : SV_Target
     inputs = pixel;
     float2 place = pixel.position.xy;
     float depth = camera_depth.Load(int3(int2(place), 0));
-    float visibility = mask.Load(int3(int2(place), 0));
+    float2 now = mask.Load(int3(int2(place), 0));
+    float visibility = now.x;
     surface s = surface_at(place, depth);
     found before = find_history(s);
     range r = range_at(place, visibility);
     float inverse = 1.0 / max(before.weight, 0.01);
     float earlier = before.visibility * inverse;
-    float bounded = clamp(earlier, r.least, r.most);
+    float bounded = s.rests ? earlier : clamp(earlier, r.least, r.most);
     // The farther a history was off, the fewer frames it still stands for
     float stale = min(abs(bounded - earlier) * HISTORY_STALE, 1.0);
     float frames = before.frames * inverse;
@@ -211,5 +256,7 @@ float4 main(history_inputs pixel) : SV_Target
     float mean = mad(bounded - visibility, 1.0 - 1.0 / frames, visibility);
     float span = clamp(place_row(inputs.own, place, depth), -65504.0, 65504.0);
     bool nothing = depth == inputs.clear.x;
-    return float4(nothing ? 1.0 : mean, nothing ? 0.0 : frames, nothing ? 0.0 : span, nothing ? 0.0 : encode_normal(s.normal));
+    float flatness = before.knows > 0.01 ? before.flatness / before.knows : now.y;
+    flatness = now.y > 0.0 ? mad(now.y - flatness, 1.0 / min(frames, 8.0), flatness) : flatness;
+    return float4(nothing ? 1.0 : mean, nothing ? CSM_H_NO_FRAMES : encode_frames(frames, flatness, place), nothing ? 0.0 : span, nothing ? 0.0 : encode_normal(s.normal));
 }

@@ -25,5 +25,6 @@ history_inputs main(uint vertex : SV_VertexID)
     o.size = history_c[CSM_H_SIZE];
     o.limits = history_c[CSM_H_LIMITS];
     o.clear = history_c[CSM_H_CLEAR];
+    o.noise = history_c[CSM_H_NOISE];
     return o;
 }

@@ -26,7 +26,8 @@ float normal_doubt(float2 place, float depth)
 #endif
 }
 
-float main(mask_inputs pixel) : SV_Target
+// Visibility, and, for a history, csm_flatness.
+float2 main(mask_inputs pixel) : SV_Target
 {
     inputs = pixel;
     float2 place = pixel.position.xy;
@@ -43,5 +44,9 @@ float main(mask_inputs pixel) : SV_Target
     receiver.down = light_step(place, depth, at, float3(0.0, 1.0, steps.y));
 #endif
     float lit = csm_visibility_of(receiver);
-    return depth == mask_c[CSM_M_CLEAR].x ? 1.0 : lit;
+    float flatness = 0.0;
+#if CSM_KNOWS_LIGHT == 1
+    flatness = csm_flatness;
+#endif
+    return float2(depth == mask_c[CSM_M_CLEAR].x ? 1.0 : lit, flatness);
 }

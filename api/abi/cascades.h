@@ -34,7 +34,8 @@ struct csm_cascades {
   planned plans[2]; /* the last one that was drawn, and room for the next */
   uint32_t current;
   uint64_t renders;
-  bool drawn; /* maps hold plans[current], planned with config */
+  uint64_t changes; /* of all renders, how many drew other shadows than the one before, but for the maps' jitter */
+  bool drawn;       /* maps hold plans[current], planned with config */
   double plan_ms, record_ms;
 };
 

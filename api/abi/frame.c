@@ -93,7 +93,8 @@ static csm_result make_plan(csm_cascades *cascades, const frame_input *input, pl
                                 .cache = frame->scene ? &cascades->cache : NULL,
                                 .before = &cascades->history,
                                 .samples = cascades->samples,
-                                .sample_count = sample_count};
+                                .sample_count = sample_count,
+                                .jitter = (uint32_t)cascades->renders};
   result = plan_frame_make(&out->frame, &info, out->memory, &text);
   if (result)
     return host_fail(&context->host, result, "csm_frame: %s", text);
@@ -113,6 +114,13 @@ static uint32_t same_maps(const csm_cascades *cascades, const planned *next, con
   for (uint32_t i = 0; i < next->frame.cascade_count; ++i)
     same |= (uint32_t)plan_cascade_same(&last->frame, &next->frame, i, scene, last->revision) << i;
   return same;
+}
+
+/* Whether shadows come out as they did in the last frame, but for the maps' jitter. */
+static bool rests(const csm_cascades *cascades, const planned *next, const plan_scene *scene) {
+  const planned *last = cascades_planned(cascades);
+  return cascades->drawn && next->scene && next->scene == last->scene && !next->others_cast && !last->others_cast &&
+         plan_frame_rests(&last->frame, &next->frame, scene, last->revision);
 }
 
 csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame *in) {
@@ -143,6 +151,7 @@ csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame 
   result = technique_run_record(&run, &times);
   if (result)
     return result;
+  cascades->changes += !rests(cascades, next, &scene);
   cascades->current = !cascades->current;
   cascades->history = next->frame.history;
   cascades->drawn = true;

@@ -89,6 +89,7 @@ static csm_result record(csm_view *view, csm_cascades *cascades, const resolve *
   technique_run run = {.device = context_device(view->context),
                        .config = &cascades->config,
                        .settings = cascades->settings,
+                       .changes = cascades->changes,
                        .plan = &planned->frame,
                        .constants = &planned->constants,
                        .constants_size = sizeof planned->constants,

@@ -331,6 +331,8 @@ static const plan_config_entry entries[] = {
           .about = "With history: how far from where it was a pixel's surface may lie, as a share of its view depth."),
     ENTRY(history_normal_deg, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 180.0,
           .default_value = 20.0, .unit = "degrees", .about = "With history: how far it may have turned."),
+    ENTRY(history_jitter, .type = CSM_FIELD_UINT, .length = 1, .minimum = 0, .maximum = 1, .default_value = 0,
+          .unit = "1", .about = "With history: whether each frame's maps begin elsewhere within a texel."),
 };
 
 enum { entry_count = sizeof entries / sizeof *entries };

@@ -72,7 +72,8 @@ double plan_padding_texels(const csm_config *config) {
   const double grid = config->snap_mode == CSM_SNAP_OFF ? 0.0 : (double)(1u << config->snap_power);
   const double moved = config->snap_mode == CSM_SNAP_FLOOR ? grid : grid / 2.0;
   const double rounding_of_floats = 0.5;
-  return plan_filter_radius_texels(config) + ceil(config->bias_normal_texels) + moved + rounding_of_floats;
+  return plan_filter_radius_texels(config) + ceil(config->bias_normal_texels) + moved + rounding_of_floats +
+         plan_jitter_room(config);
 }
 
 /*

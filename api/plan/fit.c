@@ -2,6 +2,7 @@
 #include "plan/internal.h"
 
 #include <math.h>
+#include <string.h>
 
 /*
  * Places, sizes and depths are whole multiples of steps that follow from the projection and the configuration alone,
@@ -176,6 +177,7 @@ csm_result plan_fit_slice(plan_fit *out, const plan_fit_frame *frame, uint32_t c
   plan_steady_anchor(out, frame, cascade, middle);
   for (int i = 0; i < 2; ++i)
     out->origin[i] = snap((middle[i] - out->anchor[i]) / out->texel[i] - resolution / 2.0, config);
+  memcpy(out->jitter, frame->jitter, sizeof out->jitter);
   out->resolution = resolution;
   out->step = slice.diameter / (2.0 * DEPTH_STEPS_PER_RADIUS);
   out->depth[0] = slice.middle[2] - slice.width[2] / 2.0;
@@ -267,9 +269,10 @@ static void bound_depth(double depth[2], const plan_fit *fit, const csm_config *
 
 plan_area plan_fit_area(const plan_fit *fit, const csm_config *config, const plan_scene_box *box) {
   plan_area area = {.depth = {INFINITY, -INFINITY}, .rounding = plan_rounding_begin(fit, config)};
+  const double jitter = plan_jitter_room(config); /* casters are the same wherever it moves the map */
   for (int i = 0; i < 2; ++i) {
-    area.min[i] = fit->anchor[i] + fit->origin[i] * fit->texel[i];
-    area.max[i] = fit->anchor[i] + (fit->origin[i] + fit->resolution) * fit->texel[i];
+    area.min[i] = fit->anchor[i] + (fit->origin[i] - jitter) * fit->texel[i];
+    area.max[i] = fit->anchor[i] + (fit->origin[i] + fit->resolution + jitter) * fit->texel[i];
   }
   if (config->depth_mode == CSM_DEPTH_SCENE && box->corner_count)
     for (int i = 0; i < 8; ++i) {
@@ -311,7 +314,7 @@ void plan_fit_place(plan_cascade *cascade, const plan_fit *fit, const plan_area 
   double scale[3], origin[3];
   for (int i = 0; i < 2; ++i) {
     scale[i] = 1.0 / (fit->texel[i] * fit->resolution);
-    origin[i] = (fit->anchor[i] / fit->texel[i] + fit->origin[i]) / fit->resolution;
+    origin[i] = (fit->anchor[i] / fit->texel[i] + fit->origin[i] + fit->jitter[i]) / fit->resolution;
   }
   /* Receivers at the range's begin stay within it when they are moved */
   const bool stepped = config->depth_mode == CSM_DEPTH_CASTERS;
@@ -331,6 +334,7 @@ void plan_fit_place(plan_cascade *cascade, const plan_fit *fit, const plan_area 
   for (int i = 0; i < 2; ++i) {
     cascade->texel[i] = fit->texel[i];
     cascade->origin_texels[i] = fit->anchor[i] / fit->texel[i] + fit->origin[i];
+    cascade->jitter_texels[i] = fit->jitter[i];
     cascade->place_texels[i] = fit->place[i] + floor(fit->origin[i]);
   }
   cascade->resolution = fit->resolution;

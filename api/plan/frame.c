@@ -80,6 +80,8 @@ static csm_result fit_frame(plan_frame *frame, plan_fit *fits, const plan_frame_
                        .sample_count = plan_depth_samples_usable(info, &frame->camera) ? info->sample_count : 0,
                        .before = info->before,
                        .after = &frame->history};
+  if (plan_jitter_room(info->config) > 0.0)
+    plan_history_jitter(to.jitter, info->jitter);
   plan_steady_image(to.image, &to);
   if (find_casters(&casters, &to, info))
     to.casters = &casters;

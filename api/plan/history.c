@@ -95,6 +95,20 @@ static void put_normals(float *out, const plan_frame *frame, const plan_past *no
   }
 }
 
+/*
+ * The most that a mask's noise may be: that of so many comparisons that are right as often as wrong. What has no pattern has
+ * noise where maps are jittered alone: then of the comparisons of a square.
+ */
+static double most_noise(const csm_config *config) {
+  const double side = plan_filter_reach_texels(config) + 1.0;
+  const bool pattern = config->filter == CSM_FILTER_POISSON || config->filter == CSM_FILTER_VOGEL ||
+                       config->filter == CSM_FILTER_PCSS || config->filter == CSM_FILTER_BACKPROJECTION;
+  if (!pattern)
+    return plan_jitter_room(config) > 0.0 ? 0.5 / side : 0.0;
+  const double searched = plan_is_soft(config) ? config->soft_search_taps * 4.0 : 64.0; /* each tap is four texels */
+  return 0.5 / sqrt(fmin(plan_is_soft(config) ? config->soft_taps : plan_filter_taps(config), searched));
+}
+
 uint32_t plan_write_history_constants(float *out, const plan_frame *frame, const plan_picture *picture,
                                       const plan_passage *passage, const csm_config *config) {
   const plan_past *now = passage->now;
@@ -110,7 +124,9 @@ uint32_t plan_write_history_constants(float *out, const plan_frame *frame, const
           (const double[4]){(linear ? 0.0 : config->history_depth) + SPAN_SHARE, more + SPAN_STEP, cos(angle * radians),
                             config->history_frames});
   put_row(out, CSM_H_CLEAR,
-          (const double[4]){plan_clear_depth(&now->camera), picture->show == CSM_SHOW_HISTORY, 0.0, 0.0});
+          (const double[4]){plan_clear_depth(&now->camera), picture->show == CSM_SHOW_HISTORY,
+                            now->changes && passage->past->changes == now->changes, passage->phase});
+  put_row(out, CSM_H_NOISE, (const double[4]){most_noise(config), 0.0, 0.0, 0.0});
   return CSM_H_COUNT * 4 * sizeof(float);
 }
 
@@ -122,6 +138,15 @@ double plan_history_phase(uint32_t frame) {
   return phase;
 }
 
-void plan_write_phase(float *out, double phase) {
-  out[CSM_S_SOFT_MORE * 4 + 3] = plan_float(1.0 + phase);
+/* Of the plastic number: however many frames lie in a row, they lie evenly in a square (Roberts 2018). */
+void plan_history_jitter(double out[2], uint32_t frame) {
+  static const double steps[2] = {0.7548776662466927, 0.5698402909980532};
+  for (int i = 0; i < 2; ++i) {
+    const double place = frame * steps[i];
+    out[i] = place - floor(place) - 0.5;
+  }
+}
+
+void plan_write_phase(float *out, double phase, const csm_config *config) {
+  out[CSM_S_SOFT_MORE * 4 + 3] = plan_float((plan_jitter_room(config) > 0.0 ? 3.0 : 1.0) + phase);
 }

@@ -114,6 +114,7 @@ typedef struct plan_fit_frame {
   const plan_span *casters;          /* of all that casts into the view; NULL: not known, or of no use */
   const plan_history *before;        /* may be NULL */
   plan_history *after;
+  double jitter[2]; /* of all maps, in texels */
 } plan_fit_frame;
 
 /* ---- splits ---- */
@@ -167,10 +168,11 @@ void plan_view_to_light(double out[3], const plan_camera *camera, const double b
 /* ---- fit ---- */
 /* Where a map lies in light space, before its casters are known. */
 typedef struct plan_fit {
-  double texel[2];   /* metres along right and up */
-  double anchor[3];  /* the point in light space from which texels and depth steps are counted, metres */
-  double place[2];   /* the number of texels that this point counts as */
-  double origin[2];  /* the map's beginning, in texels from the anchor */
+  double texel[2];  /* metres along right and up */
+  double anchor[3]; /* the point in light space from which texels and depth steps are counted, metres */
+  double place[2];  /* the number of texels that this point counts as */
+  double origin[2]; /* the map's beginning, in texels from the anchor, but for its jitter */
+  double jitter[2];
   double depth[2];   /* of the slice along the light, metres */
   double casters[2]; /* where all casters begin and end along the light, if the map is narrowed to them */
   double step;       /* of depths that are rounded, metres */
@@ -245,6 +247,10 @@ double plan_filter_weights(double weights[PLAN_MAX_WEIGHTS], const csm_config *c
 double plan_filter_reach_texels(const csm_config *config);
 /* Of a filter's weights, at least how much lies on one side of a line through its sample. */
 double plan_filter_least_share(const csm_config *config);
+/* How far a map's jitter moves it to either side. */
+static inline double plan_jitter_room(const csm_config *config) {
+  return config->history == CSM_HISTORY_ON && config->history_jitter ? 0.5 : 0.0;
+}
 /* Room that a map leaves at its borders. */
 double plan_padding_texels(const csm_config *config);
 /* Room around what a camera sees, within which what lies in a cascade's map is read for it. */

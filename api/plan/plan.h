@@ -223,7 +223,8 @@ void plan_history_reconfigure(plan_history *history);
 typedef struct plan_cascade {
   csm_cascade_info info;
   double texel[2];         /* metres along right and up */
-  double origin_texels[2]; /* where the map begins, from the world's origin */
+  double origin_texels[2]; /* where the map begins, from the world's origin, less its jitter */
+  double jitter_texels[2]; /* by which it begins elsewhere in this frame */
   double place_texels[2];  /* where it begins, as its grid is counted: whole numbers */
   uint32_t resolution;
   double to_clip[12]; /* light space (right, up, along, relative to the world's origin) to clip: three rows of four */
@@ -279,6 +280,7 @@ typedef struct plan_frame_info {
   const plan_history *before;        /* the last frame's; may be NULL */
   const plan_depth_samples *samples; /* of earlier frames, one for each view */
   uint32_t sample_count;
+  uint32_t jitter; /* the frame's number, which says where maps begin with history_jitter */
 } plan_frame_info;
 
 /* Bytes of memory, aligned to 16, that a plan of so many slots, meshes and cascades (0 for a camera's) needs. */
@@ -356,15 +358,19 @@ typedef struct plan_past {
   uint32_t width, height;
   double shadow_end;
   uint64_t settings; /* which configuration of which cascades; 0: there is no past */
+  uint64_t changes;  /* how often the cascades' shadows had changed; 0: not known */
 } plan_past;
 
 /* From an earlier picture to this one; the earlier one counts, or is this one itself. */
 typedef struct plan_passage {
   const plan_past *past, *now;
+  double phase; /* plan_history_phase of this frame */
 } plan_passage;
 
 /* Whether a mask may go on from an earlier one. Where it was cut to another place, no pixel finds itself again. */
 bool plan_past_counts(const plan_past *past, const plan_past *now);
+/* The place within a texel at which a frame's maps begin, from -1/2 to 1/2 of one. */
+void plan_history_jitter(double out[2], uint32_t frame);
 /* The block of the history pass (csm_history.h). Returns its bytes. */
 uint32_t plan_write_history_constants(float *out, const plan_frame *frame, const plan_picture *picture,
                                       const plan_passage *passage, const csm_config *config);
@@ -372,7 +378,7 @@ uint32_t plan_write_history_constants(float *out, const plan_frame *frame, const
    as can be, however many of them there are in a row. */
 double plan_history_phase(uint32_t frame);
 /* Puts it into the block of plan_write_constants. */
-void plan_write_phase(float *out, double phase);
+void plan_write_phase(float *out, double phase, const csm_config *config);
 
 /* Whether all maps are layers of one image and of one size. */
 bool plan_maps_alike(const csm_config *config);
@@ -397,6 +403,8 @@ void plan_seen_tiles(uint8_t *tiles, const plan_frame *frame, const csm_config *
  */
 bool plan_cascade_same(const plan_frame *before, const plan_frame *now, uint32_t cascade, const plan_scene *scene,
                        uint64_t revision);
+/* Likewise, whether all that a frame's shadows follow from is as it was, but for the maps' jitter, and no receiver moved. */
+bool plan_frame_rests(const plan_frame *before, const plan_frame *now, const plan_scene *scene, uint64_t revision);
 
 /* What csm_draw_info says of a cascade: the world's transform to its clip space, and the planes of what may cast. */
 void plan_cascade_volume(const plan_frame *frame, uint32_t cascade, double world_to_clip[16], double planes[5][4]);

@@ -51,13 +51,13 @@ void plan_seen_tiles(uint8_t *tiles, const plan_frame *frame, const csm_config *
     }
 }
 
-bool plan_cascade_same(const plan_frame *before, const plan_frame *now, uint32_t cascade, const plan_scene *scene,
-                       uint64_t revision) {
+/* Whether a cascade draws what it drew, seen from the same side. */
+static bool same_casters(const plan_frame *before, const plan_frame *now, uint32_t cascade, const plan_scene *scene,
+                         uint64_t revision) {
   const plan_cascade *a = &before->cascades[cascade], *b = &now->cascades[cascade];
   if (before->unshadowed || now->unshadowed || cascade >= before->cascade_count ||
       a->list.instance_count != b->list.instance_count || a->list.draw_count != b->list.draw_count ||
-      memcmp(before->basis, now->basis, sizeof now->basis) != 0 ||
-      memcmp(a->to_clip, b->to_clip, sizeof a->to_clip) != 0)
+      memcmp(before->basis, now->basis, sizeof now->basis) != 0)
     return false;
   for (uint32_t i = 0; i < b->list.instance_count; ++i) {
     const uint32_t slot = b->list.instances[i];
@@ -65,4 +65,36 @@ bool plan_cascade_same(const plan_frame *before, const plan_frame *now, uint32_t
       return false;
   }
   return true;
+}
+
+bool plan_cascade_same(const plan_frame *before, const plan_frame *now, uint32_t cascade, const plan_scene *scene,
+                       uint64_t revision) {
+  const plan_cascade *a = &before->cascades[cascade], *b = &now->cascades[cascade];
+  return memcmp(a->to_clip, b->to_clip, sizeof a->to_clip) == 0 && same_casters(before, now, cascade, scene, revision);
+}
+
+/* Whether a cascade lies where it lay, but for its jitter, and is read for the same depths. */
+static bool same_place(const plan_cascade *a, const plan_cascade *b) {
+  return memcmp(a->texel, b->texel, sizeof a->texel) == 0 &&
+         memcmp(a->origin_texels, b->origin_texels, sizeof a->origin_texels) == 0 &&
+         memcmp(&a->to_clip[8], &b->to_clip[8], 4 * sizeof a->to_clip[0]) == 0 && a->resolution == b->resolution &&
+         a->shift == b->shift && a->info.near_depth == b->info.near_depth && a->info.far_depth == b->info.far_depth;
+}
+
+/* Whether a surface moved that casts nothing, so that no map tells of it. */
+static bool receiver_moved(const plan_scene *scene, uint64_t revision) {
+  bool moved = false;
+  for (uint32_t slot = 0; slot < scene->slot_count && !moved && scene->revision != revision; ++slot) {
+    const plan_instance *instance = &scene->instances[slot];
+    moved = scene->revisions[slot] > revision && plan_receives(instance) && !plan_casts(instance);
+  }
+  return moved;
+}
+
+bool plan_frame_rests(const plan_frame *before, const plan_frame *now, const plan_scene *scene, uint64_t revision) {
+  bool rests = before->cascade_count == now->cascade_count && before->light_diameter == now->light_diameter &&
+               before->shadow_end == now->shadow_end && !receiver_moved(scene, revision);
+  for (uint32_t i = 0; i < now->cascade_count && rests; ++i)
+    rests = same_place(&before->cascades[i], &now->cascades[i]) && same_casters(before, now, i, scene, revision);
+  return rests;
 }

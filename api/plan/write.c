@@ -37,8 +37,8 @@ static void put_cascade(float *out, uint32_t index, const plan_frame *frame, con
     offset[axis] = scale[axis] * plan_dot(&frame->basis[axis * 3], frame->origin) + cascade->to_clip[axis * 4 + 3];
   }
   offset[2] -= scale[2] * cascade->shift;
-  put(out, CSM_C_SCALES + index, scale[0], scale[1], scale[2], 0.0);
-  put(out, CSM_C_OFFSETS + index, offset[0], offset[1], offset[2], 0.0);
+  put(out, CSM_C_SCALES + index, scale[0], scale[1], scale[2], cascade->jitter_texels[0]);
+  put(out, CSM_C_OFFSETS + index, offset[0], offset[1], offset[2], cascade->jitter_texels[1]);
   out[CSM_C_GRID * 4 + index] = plan_float(grid_place(cascade));
 }
 

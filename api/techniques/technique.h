@@ -51,6 +51,7 @@ typedef struct technique_run {
   device *device;
   const csm_config *config;
   uint64_t settings;       /* another number for each configuration of each cascades */
+  uint64_t changes;        /* of a picture: how often the cascades' shadows had changed */
   const plan_frame *plan;  /* of the cascades */
   const void *constants;   /* csm_constants of csm_constants.h */
   uint32_t constants_size; /* in bytes */

@@ -19,8 +19,8 @@
 #define CSM_C_DEPTH 1    /* view depth of a relative position p: dot(p, xyz) + w */
 #define CSM_C_BASIS 2    /* three: unit vectors right, up and along the light */
 #define CSM_C_SPLITS 5   /* two: where cascades 0..3 and 4..7 end, as view depth; unused ones repeat the last */
-#define CSM_C_SCALES 7   /* eight: scale of right, up and depth */
-#define CSM_C_OFFSETS 15 /* eight: offset of right, up and depth */
+#define CSM_C_SCALES 7   /* eight: scale of right, up and depth; texels to the right by which this frame's map is jittered */
+#define CSM_C_OFFSETS 15 /* eight: offset of right, up and depth; texels up by which it is jittered */
 /* Eight: larger texel side in metres, depth per metre, share of the map that samples may lie in, texel area in m2 */
 #define CSM_C_TEXELS 23
 #define CSM_C_RECTS 31 /* eight: the map's first texel (x, y), its side in texels, its layer */
@@ -46,7 +46,9 @@
 /* Highest level; variance of where the blur's texels lie, in map's texels; most samples; texels of moments for one of the map */
 #define CSM_S_LEVELS 62
 #define CSM_S_SOFT 63      /* tangent of half the light's diameter, search taps, taps, most texels around */
-#define CSM_S_SOFT_MORE 64 /* penumbra, light's size as a share of a map, least texels around, 1 + the pattern's phase where frames are mixed, else 0 */
+/* Penumbra, light's size as a share of a map, least texels around; where frames are mixed, 1 + the pattern's phase, or 3 + it
+   of jittered maps, else 0 */
+#define CSM_S_SOFT_MORE 64
 #define CSM_C_COUNT 65
 
 /*

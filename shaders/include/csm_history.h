@@ -16,7 +16,11 @@
 #define CSM_H_SIZE CSM_M_SIZE /* width, height, 1 / width, 1 / height: where the mask's block has it */
 #define CSM_H_OWN 11          /* a pixel's place to its span in this picture */
 #define CSM_H_LIMITS 12 /* how far spans may be apart: a share of themselves, and more; cosine of the angle; frames */
-#define CSM_H_CLEAR 13  /* depth of a pixel without a surface; 1: the mask shows how many frames a pixel has */
-#define CSM_H_COUNT 14
+/* Depth of a pixel without a surface; 1: the mask shows how many frames a pixel has; 1: the world's shadows rest; phase */
+#define CSM_H_CLEAR 13
+#define CSM_H_NOISE 14 /* the most that noise may be: its deviation */
+#define CSM_H_COUNT 15
+
+#define CSM_H_NO_FRAMES -2047.0 /* what a history has where it has no frames: shaders/private/history_frames.hlsl */
 
 #endif

@@ -110,6 +110,7 @@
 #define CSM_UNROLL
 #define CSM_LOOP
 #define CSM_STATIC const
+#define CSM_GLOBAL
 
 #include "csm_sample.inc"
 

@@ -93,6 +93,7 @@
 #define CSM_UNROLL [unroll]
 #define CSM_LOOP [loop]
 #define CSM_STATIC static const
+#define CSM_GLOBAL static
 
 #include "csm_sample.inc"
 

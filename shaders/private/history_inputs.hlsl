@@ -15,5 +15,6 @@ struct history_inputs
     nointerpolation float4 size : SIZE0;     // CSM_H_SIZE
     nointerpolation float4 limits : LIMITS0; // CSM_H_LIMITS
     nointerpolation float4 clear : CLEAR0;   // CSM_H_CLEAR
+    nointerpolation float4 noise : NOISE0;   // CSM_H_NOISE
     float4 position : SV_Position;
 };

@@ -224,13 +224,14 @@ static void what_is_shown_instead_needs_no_normals(void **state) {
 
 /* ---- motion ---- */
 
-/* The whole picture's motion, in four halves or floats of which csm reads two. */
+/* The whole picture's motion, in two halves or floats, or in four of which csm reads two. */
 static rig_image *make_motion(rig *rig, rig_format format, const float motion[2], const uint16_t halves[2]) {
+  const bool floats = format == RIG_RGBA_FLOAT_32 || format == RIG_RG_FLOAT_32;
   const uint32_t bytes = rig_texel_bytes(format);
   unsigned char *texels = calloc(PIXELS, bytes);
   assert_non_null(texels);
   for (uint32_t i = 0; i < PIXELS; ++i)
-    memcpy(texels + (size_t)i * bytes, format == RIG_RGBA_FLOAT_32 ? (const void *)motion : halves, bytes / 2);
+    memcpy(texels + (size_t)i * bytes, floats ? (const void *)motion : halves, floats ? 8 : 4);
   rig_image *image = make_image(rig, format, 0, texels);
   free(texels);
   return image;
@@ -263,16 +264,16 @@ static void motion_says_where_a_surface_was(void **state) {
               {{-1.0f / 64, 0}, {0xa400, 0}, 0.5, 0.99}};
   picture own = draw_own(depth);
   picture_free(&own);
-  for (int format = 0; format < 2; ++format)
+  static const rig_format formats[] = {RIG_RGBA_FLOAT_32, RIG_RGBA_FLOAT_16, RIG_RG_FLOAT_32, RIG_RG_FLOAT_16};
+  for (size_t format = 0; format < sizeof formats / sizeof formats[0]; ++format)
     for (size_t i = 0; i < sizeof ways / sizeof ways[0]; ++i) {
       stage stage;
       rig *rig = rig_open(RIG_TYPICAL);
       stage_open(&stage, rig);
       stage.config.history = CSM_HISTORY_ON;
       stage_configure(&stage);
-      rig_image *images[] = {
-          make_image(rig, RIG_DEPTH_32, 0, depth),
-          make_motion(rig, format ? RIG_RGBA_FLOAT_16 : RIG_RGBA_FLOAT_32, ways[i].motion, ways[i].halves)};
+      rig_image *images[] = {make_image(rig, RIG_DEPTH_32, 0, depth),
+                             make_motion(rig, formats[format], ways[i].motion, ways[i].halves)};
       const seen seen = {.depth = images[0], .show = CSM_SHOW_HISTORY, .motion = images[1]};
       picture first = draw_seen(&stage, seen), second = draw_seen(&stage, seen);
       assert_true(share_of(&first, 1) == 1.0);

@@ -8,8 +8,10 @@ uint32_t rig_texel_bytes(rig_format format) {
   case RIG_RGBA_FLOAT_16:
   case RIG_RGBA_SNORM_16:
   case RIG_RGBA_UNORM_16:
+  case RIG_RG_FLOAT_32:
     return 8;
   case RIG_DEPTH_32:
+  case RIG_RG_FLOAT_16:
   case RIG_RGBA_UNORM_8:
     return 4;
   }

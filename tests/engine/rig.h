@@ -111,7 +111,9 @@ typedef enum rig_format {
   RIG_RGBA_FLOAT_16,
   RIG_RGBA_SNORM_16,
   RIG_RGBA_UNORM_16,
-  RIG_RGBA_UNORM_8
+  RIG_RGBA_UNORM_8,
+  RIG_RG_FLOAT_32,
+  RIG_RG_FLOAT_16
 } rig_format;
 
 typedef struct rig_image rig_image;

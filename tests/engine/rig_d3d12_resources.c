@@ -71,11 +71,11 @@ static const image_kind depth_kinds[] = {
     {DXGI_FORMAT_R32_TYPELESS, DXGI_FORMAT_R32_FLOAT, D3D12_RESOURCE_FLAG_ALLOW_DEPTH_STENCIL}};
 const uint32_t rig_depth_ways = sizeof depth_kinds / sizeof depth_kinds[0];
 
-static const DXGI_FORMAT formats[] = {[RIG_RGBA_FLOAT_32] = DXGI_FORMAT_R32G32B32A32_FLOAT,
-                                      [RIG_RGBA_FLOAT_16] = DXGI_FORMAT_R16G16B16A16_FLOAT,
-                                      [RIG_RGBA_SNORM_16] = DXGI_FORMAT_R16G16B16A16_SNORM,
-                                      [RIG_RGBA_UNORM_16] = DXGI_FORMAT_R16G16B16A16_UNORM,
-                                      [RIG_RGBA_UNORM_8] = DXGI_FORMAT_R8G8B8A8_UNORM};
+static const DXGI_FORMAT formats[] = {
+    [RIG_RGBA_FLOAT_32] = DXGI_FORMAT_R32G32B32A32_FLOAT, [RIG_RGBA_FLOAT_16] = DXGI_FORMAT_R16G16B16A16_FLOAT,
+    [RIG_RGBA_SNORM_16] = DXGI_FORMAT_R16G16B16A16_SNORM, [RIG_RGBA_UNORM_16] = DXGI_FORMAT_R16G16B16A16_UNORM,
+    [RIG_RGBA_UNORM_8] = DXGI_FORMAT_R8G8B8A8_UNORM,      [RIG_RG_FLOAT_32] = DXGI_FORMAT_R32G32_FLOAT,
+    [RIG_RG_FLOAT_16] = DXGI_FORMAT_R16G16_FLOAT};
 
 void rig_d3d12_barrier(ID3D12GraphicsCommandList *list, ID3D12Resource *resource, D3D12_RESOURCE_STATES before,
                        D3D12_RESOURCE_STATES after) {

@@ -63,7 +63,9 @@ static const VkFormat formats[] = {[RIG_DEPTH_32] = VK_FORMAT_D32_SFLOAT,
                                    [RIG_RGBA_FLOAT_16] = VK_FORMAT_R16G16B16A16_SFLOAT,
                                    [RIG_RGBA_SNORM_16] = VK_FORMAT_R16G16B16A16_SNORM,
                                    [RIG_RGBA_UNORM_16] = VK_FORMAT_R16G16B16A16_UNORM,
-                                   [RIG_RGBA_UNORM_8] = VK_FORMAT_R8G8B8A8_UNORM};
+                                   [RIG_RGBA_UNORM_8] = VK_FORMAT_R8G8B8A8_UNORM,
+                                   [RIG_RG_FLOAT_32] = VK_FORMAT_R32G32_SFLOAT,
+                                   [RIG_RG_FLOAT_16] = VK_FORMAT_R16G16_SFLOAT};
 
 static const VkImageLayout layouts[] = {VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
                                         VK_IMAGE_LAYOUT_DEPTH_STENCIL_READ_ONLY_OPTIMAL, VK_IMAGE_LAYOUT_GENERAL};

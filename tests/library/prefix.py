@@ -16,7 +16,7 @@ TYPES = {"csm_float2", "csm_float3", "csm_float4", "csm_mad"}  # of a language
 def names_of(text):
     functions = re.findall(r"^(?:float|int|bool|csm_\w+) (csm_\w+)\(", text, re.M)
     structs = re.findall(r"^struct (csm_\w+)", text, re.M)
-    tables = re.findall(r"^CSM_STATIC \w+ (csm_\w+)", text, re.M)
+    tables = re.findall(r"^CSM_(?:STATIC|GLOBAL) \w+ (csm_\w+)", text, re.M)
     made = re.findall(r"^CSM_(?:BOX|EARLY)\((csm_\w+)", text, re.M)
     return {*functions, *structs, *tables, *made}
 

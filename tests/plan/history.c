@@ -55,8 +55,8 @@ static void make_case(passage_case *c, random_state *random, double world, bool 
   c->past_camera.center[0] = random_between(random, -1.0, 1.0) / pixels_wide; /* jittered by half a pixel */
   c->past_camera.half_height *= 1.01;                                         /* and zooming */
   c->frame = plan_empty(&config, &c->now_camera, (double[]){0.3, -1.0, 0.2});
-  c->now = (plan_past){made_of(&c->now_camera), pixels_wide, pixels_high, c->frame.shadow_end, settings};
-  c->past = (plan_past){made_of(&c->past_camera), pixels_wide, pixels_high, c->frame.shadow_end, settings};
+  c->now = (plan_past){made_of(&c->now_camera), pixels_wide, pixels_high, c->frame.shadow_end, settings, 0};
+  c->past = (plan_past){made_of(&c->past_camera), pixels_wide, pixels_high, c->frame.shadow_end, settings, 0};
   const uint32_t bytes =
       plan_write_history_constants(c->rows, &c->frame, &(plan_picture){.normals = normals, .unorm_normals = normals},
                                    &(plan_passage){.past = &c->past, .now = &c->now}, &config);
@@ -251,6 +251,72 @@ static void phases_are_even(void **state) {
     }
 }
 
+/* Of 8 to 64 frames in a row, each half of a texel along either axis gets its share but for three at most. */
+static void jitters_are_even(void **state) {
+  (void)state;
+  for (uint32_t count = 8; count <= 64; count *= 2)
+    for (uint32_t first = 0; first < 200; ++first) {
+      uint32_t below[2] = {0, 0};
+      for (uint32_t k = 0; k < count; ++k) {
+        double at[2];
+        plan_history_jitter(at, first + k);
+        for (int axis = 0; axis < 2; ++axis) {
+          assert_true(at[axis] >= -0.5 && at[axis] < 0.5);
+          below[axis] += at[axis] < 0.0;
+        }
+      }
+      for (int axis = 0; axis < 2; ++axis)
+        assert_true(below[axis] + 3 >= count / 2 && below[axis] <= count / 2 + 3);
+    }
+}
+
+/* Noise is at most that of so many comparisons; without a pattern or jitter there is none. */
+static void noise_falls_with_taps(void **state) {
+  (void)state;
+  random_state random = {5};
+  passage_case c;
+  make_case(&c, &random, 10.0, false);
+  static const struct {
+    uint32_t filter, taps, jitter;
+    double noise;
+  } rows[] = {{CSM_FILTER_PCF_3X3, 1, 0, 0.0},
+              {CSM_FILTER_PCSS, 1, 0, 0.5},
+              {CSM_FILTER_PCSS, 16, 0, 0.125},
+              {CSM_FILTER_POISSON, 1, 0, 0.125}};
+  for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+    csm_config config = configured();
+    config.filter = rows[i].filter;
+    config.soft_taps = rows[i].taps;
+    config.soft_search_taps = 16;
+    plan_write_history_constants(c.rows, &c.frame, &(plan_picture){.show = CSM_SHOW_VISIBILITY},
+                                 &(plan_passage){.past = &c.past, .now = &c.now}, &config);
+    assert_true(c.rows[CSM_H_NOISE * 4] == (float)rows[i].noise);
+  }
+  csm_config config = configured();
+  config.filter = CSM_FILTER_PCF_3X3;
+  config.history_jitter = 1;
+  plan_write_history_constants(c.rows, &c.frame, &(plan_picture){.show = CSM_SHOW_VISIBILITY},
+                               &(plan_passage){.past = &c.past, .now = &c.now}, &config);
+  assert_true(c.rows[CSM_H_NOISE * 4] > 0.0f && c.rows[CSM_H_NOISE * 4] < 0.5f);
+}
+
+/* Shadows rest where as much has changed now as then, and that is known. */
+static void rest_is_told(void **state) {
+  (void)state;
+  random_state random = {6};
+  passage_case c;
+  make_case(&c, &random, 10.0, false);
+  const csm_config config = configured();
+  static const uint64_t changes[][3] = {{0, 0, 0}, {3, 3, 1}, {3, 4, 0}};
+  for (size_t i = 0; i < sizeof changes / sizeof changes[0]; ++i) {
+    c.past.changes = changes[i][0];
+    c.now.changes = changes[i][1];
+    plan_write_history_constants(c.rows, &c.frame, &(plan_picture){.show = CSM_SHOW_VISIBILITY},
+                                 &(plan_passage){.past = &c.past, .now = &c.now}, &config);
+    assert_true(c.rows[CSM_H_CLEAR * 4 + 2] == (float)changes[i][2]);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_point_is_found_where_it_was),
@@ -258,6 +324,9 @@ int main(void) {
       cmocka_unit_test(an_engines_normals_are_the_worlds),
       cmocka_unit_test(only_the_same_picture_goes_on),
       cmocka_unit_test(phases_are_even),
+      cmocka_unit_test(jitters_are_even),
+      cmocka_unit_test(noise_falls_with_taps),
+      cmocka_unit_test(rest_is_told),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

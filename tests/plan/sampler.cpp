@@ -222,6 +222,7 @@ csm_float4 moments_at(csm_float2 uv, float layer, float level) {
 #define CSM_UNROLL
 #define CSM_LOOP
 #define CSM_STATIC static const
+#define CSM_GLOBAL static
 
 #include "csm_sample.inc"
 

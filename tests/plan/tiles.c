@@ -141,6 +141,58 @@ static void another_place_is_another_map(void **state) {
   }
 }
 
+/* A frame of a still camera, whose maps are jittered. */
+static plan_frame jittered(const csm_config *config, uint32_t number, double diameter) {
+  const plan_scene scene = {0};
+  const test_camera camera = plain_camera();
+  double view[16], projection[16];
+  unsigned char memory[4096];
+  plan_frame frame;
+  const char *error = "";
+  camera_matrices(&camera, view, projection);
+  assert_true(plan_memory_size(0, 0, config->cascade_count) <= sizeof memory);
+  const plan_frame_info info = {.config = config,
+                                .view = view,
+                                .projection = projection,
+                                .reversed = camera_reversed(&camera),
+                                .light = (const double[3]){1, -2, 0.5},
+                                .light_diameter = diameter,
+                                .scene = &scene,
+                                .jitter = number};
+  assert_int_equal(plan_traced(&frame, &info, memory, &error), CSM_SUCCESS);
+  return frame;
+}
+
+/* Maps begin elsewhere within a texel, by what the frame says of it, and all shadows rest. */
+static void jitter_moves_maps_and_nothing_else(void **state) {
+  (void)state;
+  const plan_scene scene = {0};
+  csm_config config = default_config();
+  const plan_frame plain = jittered(&config, 1, 0.01);
+  assert_true(memcmp(&plain.cascades, &(plan_frame){0}.cascades, sizeof plain.cascades) != 0);
+  config.history = CSM_HISTORY_ON;
+  config.history_jitter = 1;
+  const plan_frame first = jittered(&config, 1, 0.01), second = jittered(&config, 2, 0.01);
+  const plan_frame wider = jittered(&config, 2, 0.02);
+  assert_true(plan_frame_rests(&first, &second, &scene, 0));
+  assert_false(plan_frame_rests(&first, &wider, &scene, 0));
+  for (uint32_t i = 0; i < config.cascade_count; ++i) {
+    const plan_cascade *a = &first.cascades[i], *b = &second.cascades[i];
+    assert_false(plan_cascade_same(&first, &second, i, &scene, 0));
+    for (int axis = 0; axis < 2; ++axis) {
+      /* A point's place in texels from the map's middle, by the matrices that maps are drawn with */
+      const double to_texels = 0.5 * a->resolution;
+      const double moved = to_texels * (a->to_clip[axis * 4 + 3] - b->to_clip[axis * 4 + 3]);
+      assert_near(moved, b->jitter_texels[axis] - a->jitter_texels[axis], 1e-6);
+      assert_true(plain.cascades[i].jitter_texels[axis] == 0.0 && moved != 0.0);
+    }
+  }
+  config.history = CSM_HISTORY_OFF; /* without which nothing is jittered */
+  const plan_frame off = jittered(&config, 2, 0.01);
+  for (uint32_t i = 0; i < config.cascade_count; ++i)
+    assert_memory_equal(off.cascades[i].to_clip, plain.cascades[i].to_clip, sizeof plain.cascades[i].to_clip);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(what_is_seen_is_among_them),
@@ -148,6 +200,7 @@ int main(void) {
       cmocka_unit_test(maps_are_whole),
       cmocka_unit_test(a_blur_has_the_sum_1),
       cmocka_unit_test(another_place_is_another_map),
+      cmocka_unit_test(jitter_moves_maps_and_nothing_else),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -505,7 +505,7 @@ typedef struct csm_mask_info {
  * Resolves a screen-space mask (1 lit, 0 shadowed; 1 where nothing is) from the maps that csm_render_cascades drew
  * last, with the selection, filter and bias of the configuration. A view holds the last mask that was resolved for it.
  * With csm_config.history each is a frame of the view's history, and the mask the mean of what its frames saw of each
- * surface. It begins anew with another size, with other cascades or another configuration, and with another device.
+ * surface; a plain one where no shadow can have moved since the mask before. It begins anew with another size, with other cascades or another configuration, and with another device.
  * A device's first mask of a kind makes its program, which takes a while.
  * Errors: as csm_render_cascades, and INVALID_VALUE (show: no such one; a history that is not kept; a penumbra of a filter
  * that finds none), INVALID_STATE (no maps have been drawn with this configuration yet),

@@ -197,6 +197,8 @@ typedef struct csm_config {
   uint32_t history_frames;   /* a pixel is the mean of so many frames at most, 1 to 64 */
   double history_depth;      /* a pixel's history counts where its surface lies as deep, to this share of its depth */
   double history_normal_deg; /* and is turned by no more than this, in degrees */
+  uint32_t history_jitter;   /* 1: each frame's maps begin elsewhere within a texel, so that edges of texels are noise, too */
+  uint32_t reserved_history; /* 0 */
 } csm_config;
 
 enum { CSM_FIELD_UINT = 0, CSM_FIELD_DOUBLE = 1, CSM_FIELD_ENUM = 2, CSM_FIELD_DOUBLES = 3, CSM_FIELD_UINTS = 4 };

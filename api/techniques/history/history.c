@@ -55,7 +55,7 @@ static csm_result make_program(gpu gpu, const void *about, gpu_program **out) {
                                  .pixel = pixels[kind],
                                  .constants_count = 1,
                                  .constants_sizes = {BLOCK},
-                                 .texture_count = mask ? 1 : 5,
+                                 .texture_count = mask ? 2 : 5,
                                  .sampler_count = mask ? 0 : 1,
                                  .samplers = {GPU_SAMPLER_POINT_CLAMP},
                                  .color_format = mask ? GPU_FORMAT_R8_UNORM : GPU_FORMAT_RGBA16_FLOAT,
@@ -110,7 +110,7 @@ static csm_result reserve_reads(history_state *state, technique_run *run, gpu_im
       {.name = "history mask",
        .program = state->programs[1],
        .constants = {state->ring.buffer},
-       .textures = {(gpu_image *)now}}};
+       .textures = {(gpu_image *)now, picture->mask}}};
   for (int i = 0; i < 2 && !result; ++i)
     result = inputs_find(&state->inputs[i], run->device, &reads[i], &state->reads[i]);
   return result;
@@ -129,7 +129,8 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
                            .width = picture->width,
                            .height = picture->height,
                            .shadow_end = run->plan->shadow_end,
-                           .settings = run->settings};
+                           .settings = run->settings,
+                           .changes = run->changes};
   result = reserve_images(state, run->device, picture);
   state->goes_on = !state->images[0].fresh && plan_past_counts(&state->past, &state->now);
   state->unorm_normals = picture->normals.unorm;
@@ -140,11 +141,14 @@ static void write(void *self, const technique_run *run) {
   const history_state *state = self;
   const technique_picture *picture = run->picture;
   if (state->runs)
-    plan_write_history_constants(
-        state->ring.memory, run->plan,
-        &(plan_picture){
-            .show = picture->show, .normals = picture->normals.image != NULL, .unorm_normals = state->unorm_normals},
-        &(plan_passage){.past = state->goes_on ? &state->past : &state->now, .now = &state->now}, run->config);
+    plan_write_history_constants(state->ring.memory, run->plan,
+                                 &(plan_picture){.show = picture->show,
+                                                 .normals = picture->normals.image != NULL,
+                                                 .unorm_normals = state->unorm_normals},
+                                 &(plan_passage){.past = state->goes_on ? &state->past : &state->now,
+                                                 .now = &state->now,
+                                                 .phase = plan_history_phase(state->frames)},
+                                 run->config);
 }
 
 static void adopt(void *self, device *from) {
@@ -180,7 +184,9 @@ void history_drop(const technique_set *view, device *device) {
 
 /* A history without frames: no pixel finds anything there. */
 static void clear(gpu gpu, const drawn_image *image) {
-  gpu_pass_begin(gpu, &(gpu_pass_info){.target = image->target, .color_load = GPU_LOAD_CLEAR});
+  gpu_pass_begin(gpu, &(gpu_pass_info){.target = image->target,
+                                       .color_load = GPU_LOAD_CLEAR,
+                                       .clear_color = {0.0f, (float)CSM_H_NO_FRAMES}});
   gpu_pass_end(gpu);
   gpu_make_readable(gpu, image->image, NULL);
 }
@@ -230,7 +236,7 @@ static void tell_view(const void *self, const device *device, csm_view_stats *st
   for (int i = 0; i < 2; ++i)
     bytes += drawn_image_bytes(&state->images[i], device);
   stats->history_gpu_ms = pass_timer_ms(&state->timer, 0);
-  stats->history_bytes = bytes;
+  stats->history_bytes += bytes;
   stats->bytes += bytes;
 }
 

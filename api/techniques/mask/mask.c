@@ -17,9 +17,9 @@ _Static_assert(sizeof(csm_constants) <= MASK_CASCADES_BLOCK, "MASK_CASCADES_BLOC
 _Static_assert(CSM_M_COUNT * 4 * sizeof(float) <= MASK_CAMERA_BLOCK, "MASK_CAMERA_BLOCK");
 
 typedef struct mask_state {
-  drawn_images mask;
-  inputs inputs[2][3]; /* without and with normals; moments: none, of one level, of more */
-  bool accumulated;    /* what was drawn is one frame of the view's history, which has the mask */
+  drawn_images mask, frame; /* frame: one of the view's history, which has the mask then */
+  inputs inputs[2][3];      /* without and with normals; moments: none, of one level, of more */
+  bool accumulated;         /* the frame was drawn last */
   pass_timer timer;
   /* of the recording on its way */
   ring_range ring;
@@ -49,6 +49,11 @@ static csm_result import(device *device, const technique_picture *picture, engin
   return engine_image_import(device, &from, out);
 }
 
+/* What a picture is drawn into. */
+static drawn_images *images_of(mask_state *state, const technique_run *run) {
+  return history_takes(run->config, run->picture) ? &state->frame : &state->mask;
+}
+
 static csm_result reserve(void *self, technique_run *run, const ring_range *ring) {
   mask_state *state = self;
   device *device = run->device;
@@ -56,8 +61,9 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
   const uint32_t show = history_takes(run->config, picture) ? CSM_SHOW_VISIBILITY : picture->show;
   engine_imported normals = {0};
   state->ring = *ring;
+  drawn_images *images = images_of(state, run);
   csm_result result =
-      drawn_image_reserve(&state->mask, device, "mask", GPU_FORMAT_R8_UNORM, picture->width, picture->height);
+      drawn_image_reserve(images, device, "mask", mask_format(run->config, show), picture->width, picture->height);
   if (!result)
     result = import(device, picture, &normals);
   if (show != CSM_SHOW_VISIBILITY)
@@ -69,7 +75,7 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
   gpu_image *moments = mask_reads_moments(run->config, show) ? moments_image(run->cascades, run->config) : NULL;
   const uint32_t levels = !moments ? 0 : run->config->moment_levels > 1 ? 2 : 1;
   picture->normals = normals;
-  picture->mask = drawn_image_next(&state->mask)->image;
+  picture->mask = drawn_image_next(images)->image;
   state->rounding = normals.image ? normals.rounding : picture->depth_rounding;
   const gpu_bindings_info reads = {
       .name = "mask",
@@ -87,7 +93,7 @@ static void write(void *self, const technique_run *run) {
   char *blocks = state->ring.memory;
   memcpy(blocks, run->constants, run->constants_size);
   if (history_takes(run->config, picture))
-    plan_write_phase((float *)blocks, history_phase(run->view));
+    plan_write_phase((float *)blocks, history_phase(run->view), run->config);
   plan_write_mask_constants((float *)(blocks + MASK_CASCADES_BLOCK), run->plan,
                             &(plan_picture){.camera = picture->depth_camera,
                                             .width = picture->width,
@@ -100,17 +106,22 @@ static void write(void *self, const technique_run *run) {
 }
 
 static void adopt(void *self, device *from) {
-  drawn_image_adopt(&((mask_state *)self)->mask, from);
+  mask_state *state = self;
+  drawn_image_adopt(&state->mask, from);
+  drawn_image_adopt(&state->frame, from);
 }
 
 static void forget(void *self, device *device) {
-  drawn_image_forget(&((mask_state *)self)->mask, device);
+  mask_state *state = self;
+  drawn_image_forget(&state->mask, device);
+  drawn_image_forget(&state->frame, device);
 }
 
 static void drop(void *self, device *device) {
   mask_state *state = self;
   pass_timer_drop(&state->timer, device);
   drawn_image_drop(&state->mask, device);
+  drawn_image_drop(&state->frame, device);
   for (int normals = 0; normals < 2; ++normals)
     for (int levels = 0; levels < 3; ++levels)
       inputs_drop(&state->inputs[normals][levels], device);
@@ -122,18 +133,21 @@ static void record(void *self, const technique_run *run) {
   const gpu gpu = run->device->gpu;
   const uint32_t offset = (uint32_t)state->ring.offset;
   const uint32_t offsets[] = {offset, offset + MASK_CASCADES_BLOCK};
+  drawn_image *into = images_of(state, run)->now;
   pass_timer_begin(&state->timer, run, 1);
   gpu_marker_begin(gpu, "mask");
-  gpu_pass_begin(gpu, &(gpu_pass_info){.target = state->mask.now->target, .color_load = GPU_LOAD_DISCARD});
+  gpu_pass_begin(gpu, &(gpu_pass_info){.target = into->target, .color_load = GPU_LOAD_DISCARD});
   gpu_pass_program(gpu, state->program);
   gpu_pass_bind(gpu, inputs_use(state->input, run->device), offsets);
   gpu_pass_draw(gpu, &(gpu_draw){.count = 3, .instance_count = 1});
   gpu_pass_end(gpu);
-  gpu_make_readable(gpu, state->mask.now->image, NULL);
+  gpu_make_readable(gpu, into->image, NULL);
   gpu_marker_end(gpu);
   pass_timer_step(&state->timer, run);
-  state->mask.now->drawn = true;
+  into->drawn = true;
   state->accumulated = history_takes(run->config, run->picture);
+  if (run->config->history == CSM_HISTORY_OFF)
+    drawn_image_drop(&state->frame, run->device);
 }
 
 static void bind(const void *self, device *device, csm_binding *binding) {
@@ -144,9 +158,10 @@ static void bind(const void *self, device *device, csm_binding *binding) {
 
 static void tell_view(const void *self, const device *device, csm_view_stats *stats) {
   const mask_state *state = self;
-  const drawn_image *mask = state->mask.now;
+  const drawn_image *mask = (state->accumulated ? &state->frame : &state->mask)->now;
   stats->mask_gpu_ms = pass_timer_ms(&state->timer, 0);
-  stats->bytes += drawn_image_bytes(&state->mask, device);
+  stats->history_bytes += drawn_image_bytes(&state->frame, device);
+  stats->bytes += drawn_image_bytes(&state->mask, device) + drawn_image_bytes(&state->frame, device);
   if (mask && mask->drawn) {
     stats->width = mask->width;
     stats->height = mask->height;

@@ -11,6 +11,7 @@ typedef struct mask_key {
   uint64_t variant; /* of mask.ps.hlsl or mask_penumbra.ps.hlsl; 0: mask_view.ps.hlsl */
   uint64_t normals;
   uint64_t moments; /* how many levels of them are read: none, one, or more */
+  uint64_t format;
 } mask_key;
 
 /* Whether the programs do that leave out what few configurations ask for. */
@@ -38,7 +39,7 @@ static csm_result make(gpu gpu, const void *about, gpu_program **out) {
       .texture_count = 2 + (key->moments > 0) + (key->normals > 0),
       .sampler_count = key->moments ? 2 : 1,
       .samplers = {GPU_SAMPLER_POINT_CLAMP, key->moments > 1 ? GPU_SAMPLER_TRILINEAR_CLAMP : GPU_SAMPLER_LINEAR_CLAMP},
-      .color_format = GPU_FORMAT_R8_UNORM,
+      .color_format = (gpu_format)key->format,
       .cull = GPU_CULL_NONE,
   };
   return gpu_program_create(gpu, &info, out);
@@ -46,6 +47,10 @@ static csm_result make(gpu gpu, const void *about, gpu_program **out) {
 
 bool mask_reads_moments(const csm_config *config, uint32_t show) {
   return plan_has_moments(config) && (show == CSM_SHOW_VISIBILITY || show == CSM_SHOW_PENUMBRA);
+}
+
+gpu_format mask_format(const csm_config *config, uint32_t show) {
+  return config->history == CSM_HISTORY_ON && show == CSM_SHOW_VISIBILITY ? GPU_FORMAT_RG16_UNORM : GPU_FORMAT_R8_UNORM;
 }
 
 static mask_key key_of(const csm_config *config, bool normals, uint32_t show) {
@@ -57,7 +62,8 @@ static mask_key key_of(const csm_config *config, bool normals, uint32_t show) {
                     .normals = normals && seen,
                     .moments = !moments                    ? 0
                                : config->moment_levels > 1 ? 2
-                                                           : 1};
+                                                           : 1,
+                    .format = mask_format(config, show)};
 }
 
 csm_result mask_program_create(gpu gpu, const csm_config *config, bool normals, uint32_t show, gpu_program **out) {
