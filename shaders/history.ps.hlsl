@@ -235,13 +235,18 @@ range range_at(float2 place, float visibility)
     return r;
 }
 
+// As a mask without a history has it, in 8 bits.
+float rounded(float lit)
+{
+    return floor(mad(lit, 255.0, 0.5)) * (1.0 / 255.0);
+}
+
 float4 main(history_inputs pixel) : SV_Target
 {
     inputs = pixel;
     float2 place = pixel.position.xy;
     float depth = camera_depth.Load(int3(int2(place), 0));
-    float2 now = mask.Load(int3(int2(place), 0));
-    float visibility = now.x;
+    float visibility = rounded(mask.Load(int3(int2(place), 0)).x);
     surface s = surface_at(place, depth);
     found before = find_history(s);
     range r = range_at(place, visibility);
@@ -256,7 +261,8 @@ float4 main(history_inputs pixel) : SV_Target
     float mean = mad(bounded - visibility, 1.0 - 1.0 / frames, visibility);
     float span = clamp(place_row(inputs.own, place, depth), -65504.0, 65504.0);
     bool nothing = depth == inputs.clear.x;
-    float flatness = before.knows > 0.01 ? before.flatness / before.knows : now.y;
-    flatness = now.y > 0.0 ? mad(now.y - flatness, 1.0 / min(frames, 8.0), flatness) : flatness;
+    float flat = mask.Load(int3(int2(place), 0)).y;
+    float flatness = before.knows > 0.01 ? before.flatness / before.knows : flat;
+    flatness = flat > 0.0 ? mad(flat - flatness, 1.0 / min(frames, 8.0), flatness) : flatness;
     return float4(nothing ? 1.0 : mean, nothing ? CSM_H_NO_FRAMES : encode_frames(frames, flatness, place), nothing ? 0.0 : span, nothing ? 0.0 : encode_normal(s.normal));
 }
