@@ -281,7 +281,7 @@ int stage_read(stage *s, bool maps, stage_frame *out) {
   return code;
 }
 
-static bool has_view(const stage *s, uint32_t show) {
+bool stage_has_view(const stage *s, uint32_t show) {
   const uint32_t filter = s->setup->config.filter;
   return show != CSM_SHOW_PENUMBRA || filter == CSM_FILTER_PCSS || filter == CSM_FILTER_VSSM ||
          filter == CSM_FILTER_BACKPROJECTION;
@@ -292,7 +292,7 @@ int stage_read_views(stage *s, stage_frame *out) {
   int code = 0;
   s->frame.flags = 0;
   for (uint32_t i = 0; i < STAGE_VIEWS && code == 0; i++) {
-    if (!has_view(s, CSM_SHOW_CASCADE + i))
+    if (!stage_has_view(s, CSM_SHOW_CASCADE + i))
       continue;
     code = exit_code(resolve(s, CSM_SHOW_CASCADE + i));
     if (code == 0)

@@ -93,6 +93,8 @@ int stage_draw(stage *s, stage_stats *stats);
  */
 int stage_read(stage *s, bool maps, stage_frame *out);
 
+/* Whether the filter has a view, of CSM_SHOW_*. */
+bool stage_has_view(const stage *s, uint32_t show);
 /* Adds the views of what was drawn and read, and its casters. The mask on the device is a view afterwards. 0, or a code
  * after a message. */
 int stage_read_views(stage *s, stage_frame *out);

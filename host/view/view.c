@@ -132,7 +132,7 @@ static int make_picture(image *picture, const view *v, const picture_view *seen)
   case SHOW_DENSITY:
     picture_density(picture, seen, v->frame.views[CSM_SHOW_DENSITY - 1]);
     return 0;
-  case SHOW_PENUMBRA: /* a filter that finds none has the picture that is lit */
+  case SHOW_PENUMBRA: /* another filter, which finds none, may have been chosen since */
     if (v->frame.views[CSM_SHOW_PENUMBRA - 1])
       picture_penumbra(picture, seen, v->frame.views[CSM_SHOW_PENUMBRA - 1]);
     else
@@ -264,6 +264,13 @@ static void show(view *v, shown what) {
   v->redraw = true;
 }
 
+/* The next view that the filter has. */
+static void show_next(view *v) {
+  const bool penumbra = stage_has_view(&v->stage, CSM_SHOW_PENUMBRA);
+  const shown next = (v->shown + 1) % SHOW_COUNT;
+  show(v, next == SHOW_PENUMBRA && !penumbra ? next + 1 : next);
+}
+
 static int press(view *v, char key) {
   switch (key) {
   case 'B':
@@ -275,7 +282,7 @@ static int press(view *v, char key) {
     show(v, v->shown == SHOW_MAPS ? SHOW_LIT : SHOW_MAPS);
     break;
   case 'V':
-    show(v, (v->shown + 1) % SHOW_COUNT);
+    show_next(v);
     break;
   case 'F':
     next_filter(v);

@@ -174,6 +174,7 @@ static void drop(void *self, device *device) {
   }
   drawn_image_drop(&state->mask, device);
   state->past = (plan_past){0};
+  state->frames = 0; /* patterns, too, begin anew */
 }
 
 void history_drop(const technique_set *view, device *device) {
