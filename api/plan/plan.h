@@ -342,7 +342,7 @@ typedef struct plan_picture {
   uint32_t show;             /* CSM_SHOW_* */
   bool normals;              /* the engine's are there, and not taken from the depth */
   bool unorm_normals;        /* they are normalised integers */
-  plan_grain rounding;    /* of the normals, or of the depth */
+  plan_grain rounding;       /* of the normals, or of the depth */
 } plan_picture;
 
 /* The block of the mask pass: how the picture's pixels map to light space, relative to frame->origin. Returns its

@@ -58,7 +58,7 @@ typedef struct technique_run {
   const csm_frame *frame;  /* frame, command_buffer, draw */
   bool timestamps;
   technique_set *cascades;
-  uint32_t same; /* bit i: cascade i's map comes out as that of the frame before did; 0 for a picture */
+  uint32_t same;              /* bit i: cascade i's map comes out as that of the frame before did; 0 for a picture */
   const plan_scene *scene;    /* what the plan's lists are of; NULL for a picture */
   technique_set *view;        /* NULL: the cascades' techniques run */
   technique_picture *picture; /* likewise */
@@ -74,9 +74,9 @@ typedef struct technique_image {
   gpu_image *image;
   gpu_format format;
   uint32_t width, height, layer;
-  uint32_t layers; /* that are read, one after the other, from `layer` on; 0: that one */
-  uint32_t levels; /* that can be read; 0: one */
-  gpu_rect part;   /* of the first level; its x and y are 0 where there are more */
+  uint32_t layers;               /* that are read, one after the other, from `layer` on; 0: that one */
+  uint32_t levels;               /* that can be read; 0: one */
+  gpu_rect part;                 /* of the first level; its x and y are 0 where there are more */
   const plan_camera *drawn_with; /* of camera depths: they are converted from its; NULL: read as they are */
   const plan_camera *read_as;    /* to this one's, or, if NULL, to view depths */
 } technique_image;

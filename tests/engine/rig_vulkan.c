@@ -106,9 +106,8 @@ static void open_device(rig *rig, device_wish wish) {
   const VkResult found = vkEnumeratePhysicalDevices(rig->instance, &count, &rig->physical);
   rig_vulkan_must(count == 1 && found >= 0 ? VK_SUCCESS : VK_ERROR_INITIALIZATION_FAILED, "a Vulkan device");
   rig->family = graphics_family(rig->physical);
-  rig->features = (VkPhysicalDeviceFeatures){.depthClamp = wish.clamps,
-                                             .depthBiasClamp = wish.rich,
-                                             .shaderStorageImageExtendedFormats = wish.rich};
+  rig->features = (VkPhysicalDeviceFeatures){
+      .depthClamp = wish.clamps, .depthBiasClamp = wish.rich, .shaderStorageImageExtendedFormats = wish.rich};
   const float priority = 1;
   const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                          .queueFamilyIndex = rig->family,

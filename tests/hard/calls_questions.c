@@ -161,7 +161,8 @@ static csm_result read_back(world *w) {
 static csm_result ask_defines(world *w) {
   const csm_config good = support_config();
   csm_config *config = world_write(w, &good, sizeof good);
-  const uint32_t enumerator = (uint32_t)offsetof(csm_config, filter), value = dice_below(&w->dice, CSM_FILTER_BACKPROJECTION + 3);
+  const uint32_t enumerator = (uint32_t)offsetof(csm_config, filter),
+                 value = dice_below(&w->dice, CSM_FILTER_BACKPROJECTION + 3);
   char text[4096];
   uint64_t size = dice_one_in(&w->dice, 4) ? dice_below(&w->dice, 200) : sizeof text;
   memset(text, 0, sizeof text);

@@ -418,14 +418,10 @@ static void needs_no_more_memory_than_it_says(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(keeps_all_that_casts_into_a_map),
-      cmocka_unit_test(culls_what_is_outside),
-      cmocka_unit_test(keeps_casters_before_the_near_plane),
-      cmocka_unit_test(keeps_what_filters_read_beside_the_view),
-      cmocka_unit_test(a_camera_draws_what_it_sees),
-      cmocka_unit_test(a_camera_culls_what_it_does_not_see),
-      cmocka_unit_test(an_empty_scene_draws_nothing),
-      cmocka_unit_test(takes_points_and_crowds),
+      cmocka_unit_test(keeps_all_that_casts_into_a_map),     cmocka_unit_test(culls_what_is_outside),
+      cmocka_unit_test(keeps_casters_before_the_near_plane), cmocka_unit_test(keeps_what_filters_read_beside_the_view),
+      cmocka_unit_test(a_camera_draws_what_it_sees),         cmocka_unit_test(a_camera_culls_what_it_does_not_see),
+      cmocka_unit_test(an_empty_scene_draws_nothing),        cmocka_unit_test(takes_points_and_crowds),
       cmocka_unit_test(needs_no_more_memory_than_it_says),
   };
   return cmocka_run_group_tests_name("plan-cull", tests, NULL, NULL);

@@ -468,19 +468,19 @@ CSM_API csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const cs
  */
 enum {
   CSM_SHOW_VISIBILITY = 0,
-  CSM_SHOW_CASCADE = 1, /* (cascade + 1) / 255, of the cascade that the point takes by `selection`: where two blend, of
-                           the nearer one, and where blending is dithered, of the one that the point got */
-  CSM_SHOW_DENSITY = 2, /* texels of that cascade's map for a pixel: (128 + 16 * log2(n)) / 255, the sum rounded and
-                           clamped to 1..255. n is the larger of the two distances in the map, in texels, that the point
-                           moves by from this pixel to the next one along a row and along a column of the mask, on its
-                           own surface: 1 is one texel for each pixel, less is coarse, more is wasted */
+  CSM_SHOW_CASCADE = 1,  /* (cascade + 1) / 255, of the cascade that the point takes by `selection`: where two blend, of
+                            the nearer one, and where blending is dithered, of the one that the point got */
+  CSM_SHOW_DENSITY = 2,  /* texels of that cascade's map for a pixel: (128 + 16 * log2(n)) / 255, the sum rounded and
+                            clamped to 1..255. n is the larger of the two distances in the map, in texels, that the point
+                            moves by from this pixel to the next one along a row and along a column of the mask, on its
+                            own surface: 1 is one texel for each pixel, less is coarse, more is wasted */
   CSM_SHOW_PENUMBRA = 3, /* filters pcss, vssm and backprojection: the radius of the penumbra that the filter found, in
-                            texels of the cascade that CSM_SHOW_CASCADE tells, on the scale of CSM_SHOW_DENSITY: the radius
-                            is 2^((255 v - 128) / 16) texels for what the mask holds, v, from 1/245 to 245. 0 too where
+                            texels of the cascade that CSM_SHOW_CASCADE tells, on the scale of CSM_SHOW_DENSITY: it is
+                            2^((255 v - 128) / 16) texels for what the mask holds, v, from 1/245 to 245. 0 too where
                             nothing lies before the light. What is more than soft_radius_max_texels is filtered with
                             that, what is less than soft_radius_least_texels with this */
-  CSM_SHOW_HISTORY = 4 /* with csm_config.history: how many frames the pixel of the mask is the mean of, as n / 255. The mask
-                          is accumulated as it is for visibility */
+  CSM_SHOW_HISTORY = 4,  /* with csm_config.history: how many frames the pixel of the mask is the mean of, as n / 255.
+                            The mask is accumulated as it is for visibility */
 };
 
 typedef struct csm_mask_info {
@@ -505,7 +505,8 @@ typedef struct csm_mask_info {
  * Resolves a screen-space mask (1 lit, 0 shadowed; 1 where nothing is) from the maps that csm_render_cascades drew
  * last, with the selection, filter and bias of the configuration. A view holds the last mask that was resolved for it.
  * With csm_config.history each is a frame of the view's history, and the mask the mean of what its frames saw of each
- * surface; a plain one where no shadow can have moved since the mask before. It begins anew with another size, with other cascades or another configuration, and with another device.
+ * surface; a plain one where no shadow can have moved since the mask before. It begins anew with another size, with other
+ * cascades or another configuration, and with another device.
  * A device's first mask of a kind makes its program, which takes a while.
  * Errors: as csm_render_cascades, and INVALID_VALUE (show: no such one; a history that is not kept; a penumbra of a filter
  * that finds none), INVALID_STATE (no maps have been drawn with this configuration yet),
@@ -569,14 +570,14 @@ enum {
 
 typedef struct csm_read_info {
   uint32_t struct_size;
-  uint32_t source;        /* CSM_READ_* */
-  csm_cascades *cascades; /* CSM_READ_MAP, CSM_READ_MOMENTS: whose */
-  csm_view *view;         /* else: whose */
-  uint32_t cascade;       /* CSM_READ_MAP, CSM_READ_MOMENTS: which */
-  uint32_t reserved;      /* 0 */
-  float *data;            /* receives one float a texel, or all of its moments; top row first, without gaps */
-  uint64_t size;          /* bytes at data; exactly width * height * 4, times the moments of a texel */
-  uint32_t level;         /* CSM_READ_MOMENTS: of moment_levels, each half as wide as the one before; else 0 */
+  uint32_t source;         /* CSM_READ_* */
+  csm_cascades *cascades;  /* CSM_READ_MAP, CSM_READ_MOMENTS: whose */
+  csm_view *view;          /* else: whose */
+  uint32_t cascade;        /* CSM_READ_MAP, CSM_READ_MOMENTS: which */
+  uint32_t reserved;       /* 0 */
+  float *data;             /* receives one float a texel, or all of its moments; top row first, without gaps */
+  uint64_t size;           /* bytes at data; exactly width * height * 4, times the moments of a texel */
+  uint32_t level;          /* CSM_READ_MOMENTS: of moment_levels, each half as wide as the one before; else 0 */
   uint32_t reserved_level; /* 0 */
 } csm_read_info;
 
