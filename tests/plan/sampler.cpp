@@ -335,7 +335,7 @@ float sampler_filter_spot(const sampler_spot *at) {
   spot.pattern = csm_float2(1, 0);
   spot.across = csm_float2(at->across[0], at->across[1]);
   spot.down = csm_float2(at->down[0], at->down[1]);
-  spot.slope = at->slope;
+  spot.slope = spot.steep = at->slope;
   spot.texel = at->texel;
   spot.metre = at->metre;
   spot.room = at->room;
