@@ -1,6 +1,5 @@
 #include "stage/stage.h"
 #include "base/host.h"
-#include "plan.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -283,7 +282,9 @@ int stage_read(stage *s, bool maps, stage_frame *out) {
 }
 
 bool stage_has_view(const stage *s, uint32_t show) {
-  return show != CSM_SHOW_PENUMBRA || plan_is_soft(&s->setup->config);
+  const uint32_t filter = s->setup->config.filter;
+  return show != CSM_SHOW_PENUMBRA || filter == CSM_FILTER_PCSS || filter == CSM_FILTER_VSSM ||
+         filter == CSM_FILTER_BACKPROJECTION;
 }
 
 int stage_read_views(stage *s, stage_frame *out) {
