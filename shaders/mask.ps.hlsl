@@ -1,16 +1,36 @@
 // The mask: visibility of every pixel of a camera's depth image.
 #include "private/mask.hlsl"
 
+#if CSM_FILTER == CSM_FILTER_EXACT || CSM_FILTER == CSM_FILTER_EXACT_SOFT
+#define MASK_RAYS 1
+#include "private/rays.h"
+static float bend = 0.0; // how unsure the depth leaves the pixel's plane: see depth_steps.hlsl
+#endif
+
 // In light space.
 float3 surface_normal(float2 place, float depth)
 {
 #if MASK_NORMALS
     float3 n = normals.Load(int3(int2(place), 0)).xyz;
     return float3(csm_row(inputs.normal_0, n), csm_row(inputs.normal_1, n), csm_row(inputs.normal_2, n));
+#elif MASK_RAYS
+    float3 plane = depth_plane(place, depth);
+    bend = plane.z;
+    return plane_normal(place, depth, plane.xy);
 #else
     return plane_normal(place, depth, depth_steps(place, depth));
 #endif
 }
+
+#if MASK_RAYS
+// Whether a map cannot be asked: it compares with a plane that may not be the pixel's.
+bool is_unsure(float3 normal)
+{
+    float4 cosines = csm_c[CSM_R_UNSURE];
+    float cosine = -normal.z * rsqrt(max(csm_dot(normal, normal), 1e-30));
+    return (bend > 0.01 && cosine < cosines.x) || abs(cosine) < cosines.y;
+}
+#endif
 
 // How much its last component may be off, as what it was made of is rounded.
 float normal_doubt(float2 place, float depth)
@@ -45,7 +65,9 @@ float2 main(mask_inputs pixel) : SV_Target
 #endif
     float lit = csm_visibility_of(receiver);
     float flatness = 0.0;
-#if CSM_KNOWS_LIGHT == 1
+#if MASK_RAYS
+    lit = csm_undecided > 0.0 || (csm_undecided == 0.0 && is_unsure(normal)) ? RAYS_UNDECIDED : lit;
+#elif CSM_KNOWS_LIGHT == 1
     flatness = csm_flatness;
 #endif
     return float2(depth == mask_c[CSM_M_CLEAR].x ? 1.0 : lit, flatness);

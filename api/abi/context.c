@@ -11,7 +11,7 @@ csm_result create_info_refuse(const csm_create_info *info, csm_result result, co
 }
 
 csm_result create_info_check(const csm_create_info *info, const char **text) {
-  const uint32_t known = CSM_CREATE_VALIDATE | CSM_CREATE_KEEP_GEOMETRY;
+  const uint32_t known = CSM_CREATE_VALIDATE | CSM_CREATE_KEEP_GEOMETRY | CSM_CREATE_RAYS;
   *text = !info->backend                             ? "csm_create_info: backend is NULL"
           : info->version >> 22 != CSM_VERSION_MAJOR ? "csm_create_info: version is of another major version of csm"
           : info->frame_slots > DEVICE_MAX_SLOTS     ? "csm_create_info: frame_slots is above 8"
@@ -46,7 +46,8 @@ csm_result context_open(csm_context *context, const csm_create_info *info, opene
                                              .validate = info->flags & CSM_CREATE_VALIDATE,
                                              .native = info->vulkan ? (const void *)info->vulkan : info->d3d12,
                                              .memory_limit = info->memory_limit,
-                                             .slots = info->frame_slots},
+                                             .slots = info->frame_slots,
+                                             .trees = context->assets.trees},
                          &fresh->device);
   if (result) {
     context_close(context, fresh);
@@ -76,6 +77,7 @@ static csm_context *allocate_context(const csm_create_info *info) {
   assets_begin(&context->assets, &context->host, handles_key(context, (uint64_t)(clock_ms() * 1e6)));
   context->assets.supply = info->supply;
   context->assets.keep_geometry = info->flags & CSM_CREATE_KEEP_GEOMETRY;
+  context->assets.trees = info->flags & CSM_CREATE_RAYS;
   return context;
 }
 

@@ -3,6 +3,7 @@
 #include "abi/view.h"
 #include "device/clock.h"
 #include "techniques/depth_samples/depth_samples.h"
+#include "techniques/rays/instances.h"
 
 /* ---- planning ---- */
 
@@ -146,11 +147,13 @@ csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame 
                        .timestamps = input.frame.flags & CSM_FRAME_TIMESTAMPS,
                        .cascades = &cascades->techniques,
                        .same = same_maps(cascades, next, &scene),
+                       .light_layers = input.light.layers,
                        .scene = &scene};
   technique_times times;
   result = technique_run_record(&run, &times);
   if (result)
     return result;
+  ray_instances_write(&cascades->techniques, &next->frame, &next->constants);
   cascades->changes += !rests(cascades, next, &scene);
   cascades->current = !cascades->current;
   cascades->history = next->frame.history;

@@ -1,5 +1,7 @@
 #include "device/alpha_images.h"
 
+#include "device/tree_pool.h"
+
 #include "private/alpha_mask.h"
 #include "shader_code.h"
 #include <string.h>
@@ -17,6 +19,7 @@ struct alpha_image {
   gpu_image *image;
   uint32_t width, height;
   staged_texels *staged; /* NULL once they are on their way */
+  page_piece *traced;    /* the texels once more, for rays; NULL: no mesh is traced */
 };
 
 static void staged_free(device *device, retired *self) {
@@ -30,6 +33,7 @@ static void alpha_image_free(device *device, retired *self) {
   if (alpha->staged)
     staged_free(device, &alpha->staged->retired);
   device_image_free(device, alpha->image);
+  tree_pool_remove(device, alpha->traced);
   host_release(device->host, alpha);
 }
 
@@ -51,6 +55,20 @@ static csm_result stage_texels(device *device, const csm_alpha_mask_info *info, 
     memcpy(rows + (size_t)y * staged->row_bytes, info->texels + (size_t)y * info->row_stride, info->width);
   *out = staged;
   return CSM_SUCCESS;
+}
+
+/* Row by row, without gaps. */
+static csm_result add_traced(device *device, const csm_alpha_mask_info *info, page_piece **out) {
+  const uint64_t texels = (uint64_t)info->width * info->height;
+  const uint64_t size = (texels + TREE_POOL_ROW - 1) / TREE_POOL_ROW * TREE_POOL_ROW;
+  char *rows = host_allocate(device->host, size);
+  if (!rows)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  for (uint32_t y = 0; y < info->height; ++y)
+    memcpy(rows + (size_t)y * info->width, info->texels + (size_t)y * info->row_stride, info->width);
+  const csm_result result = tree_pool_add(device, &(tree_bytes){.memory = rows, .size = size}, out);
+  host_release(device->host, rows);
+  return result;
 }
 
 csm_result alpha_images_reserve(device *device, uint32_t capacity) {
@@ -81,6 +99,8 @@ csm_result alpha_images_add(device *device, uint32_t index, const csm_alpha_mask
   csm_result result = device_image(device, &image, &alpha->image);
   if (!result)
     result = stage_texels(device, info, &alpha->staged);
+  if (!result && device->trees.wanted)
+    result = add_traced(device, info, &alpha->traced);
   if (result) {
     alpha_image_free(device, &alpha->retired);
     return result;
@@ -99,6 +119,10 @@ void alpha_images_remove(device *device, uint32_t index) {
 
 gpu_image *alpha_images_texture(const device *device, uint32_t index) {
   return device->alpha_images.images[index]->image;
+}
+
+uint32_t alpha_images_row(const device *device, uint32_t index) {
+  return tree_pool_row(device->alpha_images.images[index]->traced);
 }
 
 void alpha_images_record(device *device) {

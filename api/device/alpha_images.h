@@ -13,6 +13,8 @@ csm_result alpha_images_add(device *device, uint32_t index, const csm_alpha_mask
 /* Frees it once the GPU is done with it. */
 void alpha_images_remove(device *device, uint32_t index);
 gpu_image *alpha_images_texture(const device *device, uint32_t index);
+/* Where its texels begin in the pool of trees: one a byte, row by row. Precondition: meshes get trees. */
+uint32_t alpha_images_row(const device *device, uint32_t index);
 
 /* Writes the constants of an alpha-tested mesh: ALPHA_MASK_BLOCK bytes. */
 void alpha_mask_write(void *out, const csm_alpha_mask_info *info, float cutoff);

@@ -75,6 +75,7 @@ csm_result device_open(const device_open_info *info, device **out) {
   fresh->lent = (gpu_host){.user = fresh, .allocate = lend_memory, .release = take_memory_back, .log = hear};
   fresh->own = !info->native;
   fresh->memory_limit = info->memory_limit;
+  fresh->trees.wanted = info->trees;
   fresh->slot_count = info->slots ? info->slots : default_slots;
   fresh->shapes = (device_shapes){.count = 1, .vertices = {{.stride = copied_stride}}};
   const csm_result result = open_backend(fresh, info);
@@ -93,6 +94,7 @@ void device_close(device *device) {
   retire_collect(device);
   geometry_destroy(device);
   alpha_images_destroy(device);
+  tree_pool_destroy(device);
   ring_destroy(device);
   programs_destroy(device);
   gpu_close(device->gpu);

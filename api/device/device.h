@@ -38,6 +38,20 @@ typedef struct device_shapes {
 
 /* ---- geometry ---- */
 
+enum { MESH_RAYS_NONE = 0xffffffffu };
+
+/* What rays need to know of a mesh; rows are of the pool of trees. */
+typedef struct mesh_rays {
+  uint32_t node_row, node_count;
+  uint32_t triangle_row, triangle_count;
+  uint32_t uv_row; /* MESH_RAYS_NONE: it is opaque */
+  uint32_t alpha_row, alpha_size[2], alpha_wrap[2];
+  float alpha_cutoff;
+  double grid_scale[3], grid_offset[3]; /* from its space, as positions are stored, to the grid of its nodes */
+  double reach;                         /* the largest coordinate of a position */
+  double cost;                          /* the sum of its nodes' areas, as a share of the first one's */
+} mesh_rays;
+
 /* Where a mesh lies, by its index in the plan's scene. */
 typedef struct mesh_place {
   gpu_buffer *vertices, *indices;
@@ -47,7 +61,24 @@ typedef struct mesh_place {
   bool two_sided, watertight; /* no face of it is culled; its back faces need not be drawn */
   uint64_t uv_offset;         /* in the vertices' buffer; read only with an alpha mask */
   gpu_bindings *alpha_mask;   /* of an alpha-tested mesh, else NULL */
+  const mesh_rays *rays;      /* NULL: it cannot be traced */
 } mesh_place;
+
+/* A device buffer that pieces are taken of: pages.h. */
+typedef struct page {
+  struct page *next;
+  gpu_buffer *buffer;
+  uint64_t size;
+  struct page_piece *free;
+} page;
+
+/* See tree_pool.h. */
+typedef struct tree_pool {
+  bool wanted; /* meshes get trees: CSM_CREATE_RAYS */
+  page page;   /* size 0: none yet */
+  retired *outgrown; /* the buffer before, which the next recording copies; NULL: none */
+  uint64_t bytes;    /* that are placed */
+} tree_pool;
 
 /* See uploads.h. */
 typedef struct uploads {
@@ -60,7 +91,7 @@ typedef struct uploads {
 
 /* Arrays are by the mesh's index. */
 typedef struct geometry {
-  struct page *pages;
+  page *pages;
   uploads uploads;
   struct geometry_place **places; /* where each mesh lies; NULL: nowhere */
   mesh_place *meshes;             /* as draws want them */
@@ -137,6 +168,7 @@ struct device {
 
   geometry geometry;
   alpha_images alpha_images;
+  tree_pool trees;
   device_shapes shapes;
   programs programs;
 };
@@ -151,6 +183,7 @@ typedef struct device_open_info {
   const void *native;    /* the engine's device, or NULL */
   uint64_t memory_limit; /* 0: what the device allows */
   uint32_t slots;        /* 0: 3 */
+  bool trees;            /* meshes get trees, for rays */
 } device_open_info;
 
 /* *out is NULL after an error, whose text the host has. */
@@ -173,7 +206,7 @@ void device_image_free(device *device, gpu_image *image);
 /* From one row of an image to the next where it lies in a buffer, in bytes: as copies want it. */
 uint32_t device_row_bytes(uint32_t width, gpu_format format);
 /* An image of one layer to be drawn into, sampled and read, and the target on it; neither is left if one fails. `wanted`
-   has name, format, width and height. */
+   has name, format, width, height, and what else it is used for. */
 csm_result device_drawn_image(device *device, const gpu_image_info *wanted, gpu_image **image, gpu_target **target);
 
 /* ---- retire.c ---- */

@@ -1,5 +1,6 @@
 #include "device/geometry.h"
 
+#include "device/tree_pool.h"
 #include "device/uploads.h"
 
 #include <math.h>
@@ -14,6 +15,8 @@ typedef struct geometry_place {
   gpu_geometry engine;   /* else */
   gpu_buffer *constants; /* of an alpha-tested mesh, with its bindings; else NULL */
   gpu_bindings *alpha_mask;
+  page_piece *tree; /* NULL: it cannot be traced */
+  mesh_rays rays;
 } geometry_place;
 
 static void place_free(device *device, retired *self) {
@@ -21,6 +24,7 @@ static void place_free(device *device, retired *self) {
   const gpu_geometry *engine = &place->engine;
   gpu_bindings_destroy(device->gpu, place->alpha_mask);
   device_buffer_free(device, place->constants, ALPHA_MASK_BLOCK);
+  tree_pool_remove(device, place->tree);
   if (place->piece) {
     uploads_drop(device, place->piece);
     pages_give_back(device, place->piece);
@@ -220,8 +224,38 @@ static csm_result add_shape(device *device, const csm_mesh_info *info, const mes
   return result;
 }
 
+/* Rows from the first one of a piece on become rows of the pool. */
+static void place_rays(mesh_rays *to, const mesh_rays *from, const page_piece *tree) {
+  const uint32_t first = tree_pool_row(tree);
+  const mesh_rays before = *to;
+  *to = *from;
+  to->node_row = first;
+  to->triangle_row += first;
+  to->uv_row = from->uv_row == MESH_RAYS_NONE ? MESH_RAYS_NONE : from->uv_row + first;
+  to->alpha_row = before.alpha_row;
+  to->alpha_cutoff = before.alpha_cutoff;
+  memcpy(to->alpha_size, before.alpha_size, sizeof to->alpha_size);
+  memcpy(to->alpha_wrap, before.alpha_wrap, sizeof to->alpha_wrap);
+}
+
+static csm_result add_tree(device *device, const csm_mesh_info *info, const mesh_cut_out *cut_out,
+                           const mesh_traced *traced, geometry_place *place) {
+  if (!traced->rays)
+    return CSM_SUCCESS;
+  const csm_result result = tree_pool_add(device, &traced->bytes, &place->tree);
+  if (result)
+    return result;
+  if (cut_out->mask)
+    place->rays = (mesh_rays){.alpha_row = alpha_images_row(device, cut_out->index),
+                              .alpha_size = {cut_out->mask->width, cut_out->mask->height},
+                              .alpha_wrap = {cut_out->mask->wrap_u, cut_out->mask->wrap_v},
+                              .alpha_cutoff = info->alpha_cutoff};
+  place_rays(&place->rays, traced->rays, place->tree);
+  return CSM_SUCCESS;
+}
+
 csm_result geometry_add(device *device, uint32_t index, const csm_mesh_info *info, const double *offset,
-                        const mesh_cut_out *cut_out) {
+                        const mesh_cut_out *cut_out, const mesh_traced *traced) {
   geometry *geometry = &device->geometry;
   mesh_place mesh = {0};
   geometry_place *place = host_allocate(device->host, sizeof *place);
@@ -230,11 +264,14 @@ csm_result geometry_add(device *device, uint32_t index, const csm_mesh_info *inf
   csm_result result = info->vulkan || info->d3d12 ? add_engines(device, info, place, &mesh)
                                                   : add_copied(device, info, offset, place, &mesh);
   if (!result)
+    result = add_tree(device, info, cut_out, traced, place);
+  if (!result)
     result = add_shape(device, info, cut_out, place, &mesh);
   if (result) {
     place_free(device, &place->retired);
     return result;
   }
+  mesh.rays = place->tree ? &place->rays : NULL;
   geometry->meshes[index] = mesh;
   geometry->places[index] = place;
   geometry->bytes += place->piece ? place->piece->size : 0;
@@ -253,6 +290,18 @@ csm_result geometry_update(device *device, uint32_t index, const csm_mesh_update
   return CSM_SUCCESS;
 }
 
+csm_result geometry_retrace(device *device, uint32_t index, const mesh_traced *now, void **memory) {
+  const csm_result result = tree_pool_rewrite(device, device->geometry.places[index]->tree, memory);
+  if (!result)
+    memcpy(*memory, now->bytes.memory, now->bytes.size);
+  return result;
+}
+
+void geometry_retraced(device *device, uint32_t index, const mesh_rays *rays) {
+  geometry_place *place = device->geometry.places[index];
+  place_rays(&place->rays, rays, place->tree);
+}
+
 bool geometry_is_engines(const device *device, uint32_t index) {
   return !device->geometry.places[index]->piece;
 }
@@ -269,6 +318,7 @@ void geometry_remove(device *device, uint32_t index) {
 }
 
 void geometry_record(device *device) {
+  tree_pool_record(device);
   uploads_record(device);
 }
 

@@ -4,6 +4,7 @@
 #define DEVICE_GEOMETRY_H
 
 #include "device/alpha_images.h"
+#include "device/tree_pool.h"
 #include "device/device.h"
 
 /* What an alpha-tested mesh is cut out with. */
@@ -12,6 +13,12 @@ typedef struct mesh_cut_out {
   uint32_t index;                  /* of the mask's image */
 } mesh_cut_out;
 
+/* What rays look up of a mesh, to be placed with it: rows of `rays` are from the first one of the bytes on. */
+typedef struct mesh_traced {
+  const mesh_rays *rays; /* NULL: it cannot be traced */
+  tree_bytes bytes;
+} mesh_traced;
+
 /* Makes room for meshes in `capacity` places. */
 csm_result geometry_reserve(device *device, uint32_t capacity);
 /*
@@ -19,7 +26,14 @@ csm_result geometry_reserve(device *device, uint32_t capacity);
  * less `offset`, of three doubles. Triangles of a copied mesh that have no area are not drawn until it is updated.
  */
 csm_result geometry_add(device *device, uint32_t index, const csm_mesh_info *info, const double *offset,
-                        const mesh_cut_out *cut_out);
+                        const mesh_cut_out *cut_out, const mesh_traced *traced);
+/*
+ * Memory for other bytes of what rays look up of a mesh, which the next recording takes; until they are written it has those
+ * that are given. Errors: those of device_buffer, OUT_OF_MEMORY.
+ */
+csm_result geometry_retrace(device *device, uint32_t index, const mesh_traced *now, void **memory);
+/* And what is to be known of it then. */
+void geometry_retraced(device *device, uint32_t index, const mesh_rays *rays);
 /*
  * Gives a copied mesh of that shape other positions, less another offset. Frames that were recorded before draw what they had: the
  * next recording copies them, in the queue's order. Errors: those of device_buffer, OUT_OF_MEMORY.

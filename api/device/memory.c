@@ -86,7 +86,7 @@ uint32_t device_row_bytes(uint32_t width, gpu_format format) {
 
 csm_result device_drawn_image(device *device, const gpu_image_info *wanted, gpu_image **image, gpu_target **target) {
   gpu_image_info info = *wanted;
-  info.usage = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED | GPU_IMAGE_COPY_SOURCE;
+  info.usage |= GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED | GPU_IMAGE_COPY_SOURCE;
   info.layers = 1;
   csm_result result = device_image(device, &info, image);
   if (result)

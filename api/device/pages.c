@@ -32,20 +32,14 @@ static page_piece **find_free(page *page, uint64_t size) {
   return link;
 }
 
-csm_result pages_take(device *device, uint64_t size, page_piece **out) {
-  retire_collect(device); /* what is free by now serves before a new page */
-  page *from = device->geometry.pages;
-  while (from && !*find_free(from, size))
-    from = from->next;
+csm_result page_take(device *device, page *from, uint64_t size, page_piece **out) {
+  page_piece **link = find_free(from, size), *free = *link;
+  *out = NULL;
+  if (!free)
+    return CSM_SUCCESS;
   page_piece *piece = host_allocate(device->host, sizeof *piece);
   if (!piece)
     return CSM_ERROR_OUT_OF_MEMORY;
-  const csm_result result = from ? CSM_SUCCESS : page_create(device, size, &from);
-  if (result) {
-    host_release(device->host, piece);
-    return result;
-  }
-  page_piece **link = find_free(from, size), *free = *link;
   *piece = (page_piece){.page = from, .offset = free->offset, .size = size};
   free->offset += size;
   free->size -= size;
@@ -55,6 +49,15 @@ csm_result pages_take(device *device, uint64_t size, page_piece **out) {
   }
   *out = piece;
   return CSM_SUCCESS;
+}
+
+csm_result pages_take(device *device, uint64_t size, page_piece **out) {
+  retire_collect(device); /* what is free by now serves before a new page */
+  page *from = device->geometry.pages;
+  while (from && !*find_free(from, size))
+    from = from->next;
+  const csm_result result = from ? CSM_SUCCESS : page_create(device, size, &from);
+  return result ? result : page_take(device, from, size, out);
 }
 
 /* Makes the piece that follows a part of this one where the two touch. */

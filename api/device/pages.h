@@ -15,13 +15,9 @@ typedef struct page_piece {
   uint32_t upload; /* in uploads, counted from 1; 0: none waits */
 } page_piece;
 
-typedef struct page {
-  struct page *next;
-  gpu_buffer *buffer;
-  uint64_t size;
-  page_piece *free;
-} page;
 
+/* Takes a piece of one page; *out is NULL if there is no room. Errors: OUT_OF_MEMORY. */
+csm_result page_take(device *device, page *from, uint64_t size, page_piece **out);
 /* Errors: those of device_buffer, OUT_OF_MEMORY. */
 csm_result pages_take(device *device, uint64_t size, page_piece **out);
 /* The GPU is done with it. */

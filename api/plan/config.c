@@ -66,6 +66,18 @@ static csm_result check_moments(const csm_config *config, const char **error) {
   return CSM_SUCCESS;
 }
 
+static csm_result check_rays(const csm_config *config, const char **error) {
+  if (!plan_has_rays(config))
+    return CSM_SUCCESS;
+  if (config->blend_mode != CSM_BLEND_OFF)
+    return plan_fail(error, CSM_ERROR_INVALID_VALUE,
+                     "blend_mode is for filters whose cascades differ: with filter exact rays decide");
+  if (config->bias_mode != CSM_BIAS_RECEIVER_PLANE)
+    return plan_fail(error, CSM_ERROR_INVALID_VALUE,
+                     "filter exact needs bias_mode receiver_plane: it asks which texels lie on the receiver's plane");
+  return CSM_SUCCESS;
+}
+
 static csm_result check_maps(const csm_config *config, const char **error) {
   if (config->snap_power && config->snap_mode == CSM_SNAP_OFF)
     return plan_fail(error, CSM_ERROR_INVALID_VALUE, "snap_power has no grid with snap_mode off");
@@ -86,7 +98,8 @@ csm_result plan_config_check(const csm_config *config, const char **error) {
   const plan_config_entry *entry;
   for (uint32_t i = 0; !result && (entry = plan_config_entry_at(i)); ++i)
     result = check_entry(entry, config, error);
-  if (!result && (config->reserved || config->reserved_moments || config->reserved_soft || config->reserved_history))
+  if (!result && (config->reserved || config->reserved_moments || config->reserved_soft || config->reserved_history ||
+                  config->reserved_rays))
     result = plan_fail(error, CSM_ERROR_INVALID_VALUE, "reserved is not 0");
   if (!result)
     result = check_splits(config, error);
@@ -94,6 +107,8 @@ csm_result plan_config_check(const csm_config *config, const char **error) {
     result = check_filter(config, error);
   if (!result)
     result = check_moments(config, error);
+  if (!result)
+    result = check_rays(config, error);
   if (!result)
     result = check_maps(config, error);
   if (!result && config->blend_mode != CSM_BLEND_OFF && config->blend_share == 0.0)

@@ -22,6 +22,8 @@ static const char *const filters[] = {[CSM_FILTER_PCF_2X2] = "pcf_2x2",
                                       [CSM_FILTER_PCSS] = "pcss",
                                       [CSM_FILTER_VSSM] = "vssm",
                                       [CSM_FILTER_BACKPROJECTION] = "backprojection",
+                                      [CSM_FILTER_EXACT] = "exact",
+                                      [CSM_FILTER_EXACT_SOFT] = "exact_soft",
                                       NULL};
 static const char *const weights[] = {
     [CSM_WEIGHTS_UNIFORM] = "uniform", [CSM_WEIGHTS_GAUSSIAN] = "gaussian", [CSM_WEIGHTS_CASTANO] = "castano", NULL};
@@ -179,10 +181,10 @@ static const plan_config_entry entries[] = {
     ENTRY(fade_share, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 1.0, .default_value = 0.2,
           .unit = "1", .about = "Length over which shadows fade out at their end, as a share of the distance to it."),
     /* filter */
-    ENTRY(filter, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = CSM_FILTER_BACKPROJECTION,
+    ENTRY(filter, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = CSM_FILTER_EXACT_SOFT,
           .default_value = CSM_FILTER_PCF_3X3, .unit = "", .values = filters,
           .about = "How a map is filtered: one texel, one bilinear depth, n x n bilinear comparisons a texel apart, a "
-                   "disc of them, moments of depth, or by the size of the light."),
+                   "disc of them, moments of depth, by the size of the light, or by rays where maps do not decide."),
     ENTRY(filter_taps, .type = CSM_FIELD_UINT, .length = 1, .minimum = 0, .maximum = 64, .default_value = 9,
           .unit = "1", .about = "Filter pcf_n: taps a side, odd, 3 to 31. Filter vogel: points, 1 to 64."),
     ENTRY(filter_weights, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = CSM_WEIGHTS_CASTANO,
@@ -333,6 +335,15 @@ static const plan_config_entry entries[] = {
           .default_value = 20.0, .unit = "degrees", .about = "With history: how far it may have turned."),
     ENTRY(history_jitter, .type = CSM_FIELD_UINT, .length = 1, .minimum = 0, .maximum = 1, .default_value = 0,
           .unit = "1", .about = "With history: whether each frame's maps begin elsewhere within a texel."),
+    /* rays */
+    ENTRY(ray_taps, .type = CSM_FIELD_UINT, .length = 1, .minimum = 1, .maximum = 64, .default_value = 16, .unit = "1",
+          .about = "Filter exact_soft: rays from a pixel to the light's disc."),
+    ENTRY(ray_unsure_cosine, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 1.0,
+          .default_value = 0.1, .unit = "1",
+          .about = "Filter exact without normals: a ray decides where depth leaves a pixel's plane unsure and its "
+                   "cosine to the light is below this."),
+    ENTRY(ray_grazing_cosine, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 1.0,
+          .default_value = 0.0, .unit = "1", .about = "And below this one whatever is known of the plane."),
 };
 
 enum { entry_count = sizeof entries / sizeof *entries };

@@ -6,6 +6,7 @@
 uint32_t plan_filter_taps(const csm_config *config) {
   switch (config->filter) {
   case CSM_FILTER_PCF_3X3:
+  case CSM_FILTER_EXACT: /* the same texels */
     return 3;
   case CSM_FILTER_PCF_5X5:
     return 5;
@@ -44,6 +45,7 @@ double plan_filter_reach_texels(const csm_config *config) {
   case CSM_FILTER_PCSS:
   case CSM_FILTER_VSSM:
   case CSM_FILTER_BACKPROJECTION:
+  case CSM_FILTER_EXACT_SOFT:
     return config->soft_radius_max_texels + 1.0;
   case CSM_FILTER_POISSON:
   case CSM_FILTER_VOGEL:

@@ -95,6 +95,14 @@ static void put_normals(float *out, const plan_frame *frame, const plan_past *no
   }
 }
 
+/* Of how many samples a pattern's mask is; each tap of a search is four texels. */
+static double pattern_samples(const csm_config *config) {
+  if (config->filter == CSM_FILTER_EXACT_SOFT)
+    return config->ray_taps;
+  return plan_is_soft(config) ? fmin(config->soft_taps, config->soft_search_taps * 4.0)
+                              : fmin(plan_filter_taps(config), 64.0);
+}
+
 /*
  * The most that a mask's noise may be: that of so many comparisons that are right as often as wrong. What has no pattern has
  * noise where maps are jittered alone: then of the comparisons of a square.
@@ -102,11 +110,11 @@ static void put_normals(float *out, const plan_frame *frame, const plan_past *no
 static double most_noise(const csm_config *config) {
   const double side = plan_filter_reach_texels(config) + 1.0;
   const bool pattern = config->filter == CSM_FILTER_POISSON || config->filter == CSM_FILTER_VOGEL ||
-                       config->filter == CSM_FILTER_PCSS || config->filter == CSM_FILTER_BACKPROJECTION;
+                       config->filter == CSM_FILTER_PCSS || config->filter == CSM_FILTER_BACKPROJECTION ||
+                       config->filter == CSM_FILTER_EXACT_SOFT;
   if (!pattern)
     return plan_jitter_room(config) > 0.0 ? 0.5 / side : 0.0;
-  const double searched = plan_is_soft(config) ? config->soft_search_taps * 4.0 : 64.0; /* each tap is four texels */
-  return 0.5 / sqrt(fmin(plan_is_soft(config) ? config->soft_taps : plan_filter_taps(config), searched));
+  return 0.5 / sqrt(pattern_samples(config));
 }
 
 uint32_t plan_write_history_constants(float *out, const plan_frame *frame, const plan_picture *picture,

@@ -56,6 +56,8 @@ void plan_config_default(csm_config *config);
 /* Whether the configured filter reads moments of the maps' depths, or looks at the size of the light. */
 bool plan_has_moments(const csm_config *config);
 bool plan_is_soft(const csm_config *config);
+/* Whether rays decide where maps do not. */
+bool plan_has_rays(const csm_config *config);
 /* Texels around a sample that the configured filter may read. */
 uint32_t plan_filter_radius_texels(const csm_config *config);
 /* The side of a cascade's map, in texels. */
@@ -343,6 +345,7 @@ typedef struct plan_picture {
   bool normals;              /* the engine's are there, and not taken from the depth */
   bool unorm_normals;        /* they are normalised integers */
   plan_grain rounding;       /* of the normals, or of the depth */
+  plan_grain depth_rounding; /* of the depth */
 } plan_picture;
 
 /* The block of the mask pass: how the picture's pixels map to light space, relative to frame->origin. Returns its

@@ -1,7 +1,11 @@
-/* soft.c: filters that look at the size of the light. */
+/* soft.c: filters that look at the size of the light, and those that send rays. */
 #include "plan/internal.h"
 
 bool plan_is_soft(const csm_config *config) {
   return config->filter == CSM_FILTER_PCSS || config->filter == CSM_FILTER_VSSM ||
-         config->filter == CSM_FILTER_BACKPROJECTION;
+         config->filter == CSM_FILTER_BACKPROJECTION || config->filter == CSM_FILTER_EXACT_SOFT;
+}
+
+bool plan_has_rays(const csm_config *config) {
+  return config->filter == CSM_FILTER_EXACT || config->filter == CSM_FILTER_EXACT_SOFT;
 }

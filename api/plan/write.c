@@ -121,6 +121,21 @@ static void put_soft(float *out, const plan_frame *frame, const csm_config *conf
   put(out, CSM_S_SOFT_MORE, config->soft_penumbra, config->soft_light_range, config->soft_radius_least_texels, 0.0);
 }
 
+/* CSM_R_*, but for what the instances' tree tells. Depths and positions are a few last places of floats off (measured: a
+   surface meets itself below 2^-20 of the view depth; docs/exact.md). */
+static void put_rays(float *out, const plan_frame *frame, const csm_config *config) {
+  float high[3];
+  double low[3];
+  for (int i = 0; i < 3; ++i) {
+    high[i] = (float)frame->origin[i];
+    low[i] = frame->origin[i] - high[i];
+  }
+  put(out, CSM_R_HIGH, high[0], high[1], high[2], config->ray_taps);
+  put(out, CSM_R_LOW, low[0], low[1], low[2], 0.0);
+  put(out, CSM_R_OFFSET, 0.0, 0.0, 0.0, 3e-6);
+  put(out, CSM_R_UNSURE, config->ray_unsure_cosine, config->ray_grazing_cosine, 0.0, 0.0);
+}
+
 static void put_settings(float *out, const plan_frame *frame, const csm_config *config) {
   const double end = frame->shadow_end, fade = config->fade_share * end;
   put_bias(out, config);
@@ -132,6 +147,7 @@ static void put_settings(float *out, const plan_frame *frame, const csm_config *
       config->map_reversed ? 0.0 : 1.0);
   put_moments(out, config);
   put_soft(out, frame, config);
+  put_rays(out, frame, config);
 }
 
 /*
@@ -227,6 +243,7 @@ uint32_t plan_write_mask_constants(float *out, const plan_frame *frame, const pl
   put(out, CSM_M_SIZE, width, height, 1.0 / width, 1.0 / height);
   put_picture_bias(out, picture, config);
   put(out, CSM_M_CLEAR, plan_clear_depth(picture->camera), picture->show, rounding.share, rounding.step);
+  put(out, CSM_M_DEPTH_OFF, picture->depth_rounding.share, picture->depth_rounding.step, 0.0, 0.0);
   put(out, CSM_M_DEPTH, plan_dot(forward, &frame->basis[0]), plan_dot(forward, &frame->basis[3]),
       plan_dot(forward, &frame->basis[6]), depth);
   return CSM_M_COUNT * 4 * sizeof(float);

@@ -6,17 +6,25 @@
 #include "plan/plan.h"
 #include "scene/handles.h"
 #include "scene/instances.h"
+#include "scene/mesh_tree.h"
+
+/* What a mesh has on the device to move to. */
+typedef struct moved_mesh {
+  plan_bounds bounds;
+  mesh_tree *tree; /* of a mesh that was supplied again; NULL: it keeps its own */
+} moved_mesh;
 
 /* Arrays are by index of the handle. */
 typedef struct mesh_table {
   handle_table handles;
   csm_mesh_info *infos; /* shapes; positions, uvs and indices point into the copy, or are NULL */
   void **copies;
+  mesh_tree **trees; /* of those that rays may meet; else NULL */
   plan_bounds *bounds; /* as the plan wants them */
   uint32_t *users;     /* instances of scenes */
   uint64_t revision;   /* counts the meshes that changed or went */
   uint64_t *revisions; /* after the last time that this one did */
-  plan_bounds *moved;  /* those that they have on the device to move to; NULL between moves */
+  moved_mesh *moved;   /* NULL between moves */
 } mesh_table;
 
 typedef struct alpha_mask_table {
@@ -32,6 +40,7 @@ typedef struct assets {
   alpha_mask_table alpha_masks;
   struct csm_scene *scenes; /* all of them */
   bool keep_geometry;
+  bool trees; /* meshes get trees */
   csm_supply_function supply; /* may be NULL */
 } assets;
 

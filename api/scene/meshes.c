@@ -18,13 +18,15 @@ static csm_result grow(assets *assets) {
   handle_place *places = host_allocate(host, capacity * sizeof *places);
   csm_mesh_info *infos = host_grown_copy(host, meshes->infos, count, capacity, sizeof *infos);
   void **copies = host_grown_copy(host, meshes->copies, count, capacity, sizeof *copies);
+  mesh_tree **trees = host_grown_copy(host, meshes->trees, count, capacity, sizeof *trees);
   plan_bounds *bounds = host_grown_copy(host, meshes->bounds, count, capacity, sizeof *bounds);
   uint32_t *users = host_grown_copy(host, meshes->users, count, capacity, sizeof *users);
   uint64_t *revisions = host_grown_copy(host, meshes->revisions, count, capacity, sizeof *revisions);
-  const bool made = places && infos && copies && bounds && users && revisions;
+  const bool made = places && infos && copies && trees && bounds && users && revisions;
   host_release(host, made ? handles_grow(&meshes->handles, places, capacity) : places);
   host_release(host, made ? meshes->infos : infos);
   host_release(host, made ? meshes->copies : (void *)copies);
+  host_release(host, made ? meshes->trees : (void *)trees);
   host_release(host, made ? meshes->bounds : bounds);
   host_release(host, made ? meshes->users : users);
   host_release(host, made ? meshes->revisions : revisions);
@@ -32,6 +34,7 @@ static csm_result grow(assets *assets) {
     return CSM_ERROR_OUT_OF_MEMORY;
   meshes->infos = infos;
   meshes->copies = copies;
+  meshes->trees = trees;
   meshes->bounds = bounds;
   meshes->users = users;
   meshes->revisions = revisions;
@@ -103,10 +106,22 @@ static mesh_cut_out find_cut_out(const assets *assets, const csm_mesh_info *info
   return (mesh_cut_out){.mask = &assets->alpha_masks.infos[index], .index = index};
 }
 
+static mesh_traced traced_of(const mesh_tree *tree) {
+  return tree ? (mesh_traced){.rays = &tree->rays, .bytes = tree->bytes} : (mesh_traced){0};
+}
+
 static csm_result place(const assets *assets, device *device, uint32_t index, const csm_mesh_info *info,
-                        const plan_bounds *bounds) {
+                        const plan_bounds *bounds, const mesh_tree *tree) {
   const mesh_cut_out cut_out = find_cut_out(assets, info);
-  return geometry_add(device, index, info, bounds->offset, &cut_out);
+  const mesh_traced traced = traced_of(tree);
+  return geometry_add(device, index, info, bounds->offset, &cut_out, &traced);
+}
+
+/* NULL where no ray is to meet the mesh, or its positions lie in an engine's buffers. */
+static csm_result grow_tree(const assets *assets, const csm_mesh_info *info, const plan_bounds *bounds,
+                            mesh_tree **out) {
+  *out = NULL;
+  return assets->trees && info->positions ? mesh_tree_make(assets->host, info, bounds->offset, out) : CSM_SUCCESS;
 }
 
 /* Counts a mesh among the users of its alpha mask, or no longer. */
@@ -132,6 +147,7 @@ csm_result mesh_create(assets *assets, const csm_mesh_info *info, csm_mesh *mesh
   plan_bounds bounds;
   uint32_t index;
   char *copy = NULL;
+  mesh_tree *tree = NULL;
   csm_result result = host_check_struct(host, struct_read(&own, sizeof own, info), "csm_mesh_info");
   if (!result && !mesh)
     result = host_fail(host, CSM_ERROR_NULL_POINTER, "mesh is NULL");
@@ -142,18 +158,40 @@ csm_result mesh_create(assets *assets, const csm_mesh_info *info, csm_mesh *mesh
   if (!result)
     result = keep(assets, &own, &copy);
   if (!result)
-    result = place(assets, assets->device, index, &own, &bounds);
+    result = grow_tree(assets, &own, &bounds, &tree);
+  if (!result)
+    result = place(assets, assets->device, index, &own, &bounds, tree);
   if (result) {
+    mesh_tree_free(tree, host);
     host_release(host, copy);
     return result;
   }
   mesh_table *meshes = &assets->meshes;
   meshes->copies[index] = copy;
+  meshes->trees[index] = tree;
   meshes->infos[index] = kept_info(&own, copy);
   meshes->bounds[index] = bounds;
   meshes->users[index] = 0;
   use_alpha_mask(assets, &own, 1);
   *mesh = handles_take(&meshes->handles);
+  return CSM_SUCCESS;
+}
+
+/* Gives a mesh other positions, and its tree, or leaves both. */
+static csm_result move_vertices(const assets *assets, uint32_t index, const csm_mesh_update_info *info,
+                                const double *offset) {
+  mesh_tree *tree = assets->meshes.trees[index];
+  const mesh_traced now = traced_of(tree);
+  void *memory;
+  csm_result result = tree ? geometry_retrace(assets->device, index, &now, &memory) : CSM_SUCCESS;
+  if (!result)
+    result = geometry_update(assets->device, index, info, &assets->meshes.infos[index], offset);
+  if (!result && tree)
+    result = mesh_tree_refit(tree, assets->host, info, offset);
+  if (result || !tree)
+    return result;
+  memcpy(memory, tree->bytes.memory, tree->bytes.size);
+  geometry_retraced(assets->device, index, &tree->rays);
   return CSM_SUCCESS;
 }
 
@@ -169,7 +207,7 @@ csm_result mesh_update(assets *assets, csm_mesh mesh, const csm_mesh_update_info
     result = mesh_check_update(assets, index, &own, &bounds);
   const uint32_t count = result ? 0 : meshes->infos[index].vertex_count;
   if (!result && own.positions)
-    result = geometry_update(assets->device, index, &own, &meshes->infos[index], bounds.offset);
+    result = move_vertices(assets, index, &own, bounds.offset);
   if (result)
     return result;
   if (meshes->copies[index])
@@ -191,6 +229,8 @@ csm_result mesh_destroy(assets *assets, csm_mesh mesh) {
   use_alpha_mask(assets, &meshes->infos[index], -1);
   host_release(assets->host, meshes->copies[index]);
   meshes->copies[index] = NULL;
+  mesh_tree_free(meshes->trees[index], assets->host);
+  meshes->trees[index] = NULL;
   meshes->revisions[index] = ++meshes->revision;
   handles_free(&meshes->handles, index);
   return CSM_SUCCESS;
@@ -225,16 +265,20 @@ static csm_result supply(const assets *assets, uint32_t index, csm_mesh_info *ou
 }
 
 /* Places a mesh on a device; what is supplied may lie elsewhere than before, and be stored less another offset. */
-static csm_result move_mesh(const assets *assets, uint32_t index, device *to, plan_bounds *bounds) {
+static csm_result move_mesh(const assets *assets, uint32_t index, device *to, moved_mesh *moved) {
+  const mesh_tree *tree = assets->meshes.trees[index];
   csm_mesh_info info = assets->meshes.infos[index];
   csm_result result = CSM_SUCCESS;
-  *bounds = assets->meshes.bounds[index];
+  *moved = (moved_mesh){.bounds = assets->meshes.bounds[index]};
   if (!info.positions) {
     result = supply(assets, index, &info);
     if (!result)
-      result = mesh_check(assets, to, &info, bounds);
+      result = mesh_check(assets, to, &info, &moved->bounds);
+    if (!result)
+      result = grow_tree(assets, &info, &moved->bounds, &moved->tree);
+    tree = moved->tree;
   }
-  return result ? result : place(assets, to, index, &info, bounds);
+  return result ? result : place(assets, to, index, &info, &moved->bounds, tree);
 }
 
 csm_result meshes_move(assets *assets, device *to) {
@@ -252,15 +296,27 @@ csm_result meshes_move(assets *assets, device *to) {
 }
 
 void meshes_stay(assets *assets) {
-  host_release(assets->host, assets->meshes.moved);
-  assets->meshes.moved = NULL;
+  mesh_table *meshes = &assets->meshes;
+  for (uint32_t i = 0; meshes->moved && i < meshes->handles.count; ++i)
+    mesh_tree_free(meshes->moved[i].tree, assets->host);
+  host_release(assets->host, meshes->moved);
+  meshes->moved = NULL;
 }
 
 void meshes_moved(assets *assets) {
   mesh_table *meshes = &assets->meshes;
-  for (uint32_t i = 0; i < meshes->handles.count; ++i)
-    if (handles_live(&meshes->handles, i) && memcmp(&meshes->moved[i], &meshes->bounds[i], sizeof *meshes->bounds) != 0)
-      change_bounds(assets, i, &meshes->moved[i]);
+  for (uint32_t i = 0; i < meshes->handles.count; ++i) {
+    moved_mesh *moved = &meshes->moved[i];
+    if (!handles_live(&meshes->handles, i))
+      continue;
+    if (memcmp(&moved->bounds, &meshes->bounds[i], sizeof moved->bounds) != 0)
+      change_bounds(assets, i, &moved->bounds);
+    if (!moved->tree)
+      continue;
+    mesh_tree_free(meshes->trees[i], assets->host);
+    meshes->trees[i] = moved->tree;
+    moved->tree = NULL;
+  }
   meshes_stay(assets);
 }
 
@@ -269,6 +325,9 @@ void meshes_end(assets *assets) {
   mesh_table *meshes = &assets->meshes;
   for (uint32_t i = 0; i < meshes->handles.count; ++i)
     host_release(host, meshes->copies[i]);
+  for (uint32_t i = 0; i < meshes->handles.count; ++i)
+    mesh_tree_free(meshes->trees[i], host);
+  host_release(host, (void *)meshes->trees);
   host_release(host, meshes->handles.places);
   host_release(host, meshes->infos);
   host_release(host, (void *)meshes->copies);

@@ -2,23 +2,37 @@
 
 static void drawn_image_free(device *device, retired *self) {
   drawn_image *image = (drawn_image *)self;
+  gpu_view_destroy(device->gpu, image->stores);
   gpu_target_destroy(device->gpu, image->target);
   device_image_free(device, image->image);
   host_release(device->host, image);
 }
 
-csm_result drawn_image_reserve(drawn_images *images, device *device, const char *name, gpu_format format,
-                               uint32_t width, uint32_t height) {
-  if (images->now && images->now->width == width && images->now->height == height)
+static bool fits(const drawn_image *image, const gpu_image_info *wanted) {
+  return image && image->width == wanted->width && image->height == wanted->height && image->format == wanted->format &&
+         (image->stores || !(wanted->usage & GPU_IMAGE_STORED));
+}
+
+static csm_result make_stores(device *device, const gpu_image_info *wanted, drawn_image *image) {
+  const gpu_view_info view = {
+      .name = wanted->name, .image = image->image, .range = {.layer_count = 1, .level_count = 1}};
+  return wanted->usage & GPU_IMAGE_STORED
+             ? device_check(device, gpu_view_create(device->gpu, &view, &image->stores), wanted->name)
+             : CSM_SUCCESS;
+}
+
+csm_result drawn_image_reserve(drawn_images *images, device *device, const gpu_image_info *wanted) {
+  if (fits(images->now, wanted))
     return CSM_SUCCESS;
   drawn_image *fresh = host_allocate(device->host, sizeof *fresh);
   if (!fresh)
     return CSM_ERROR_OUT_OF_MEMORY;
-  *fresh = (drawn_image){.format = format, .width = width, .height = height};
-  const gpu_image_info info = {.name = name, .format = format, .width = width, .height = height};
-  const csm_result result = device_drawn_image(device, &info, &fresh->image, &fresh->target);
+  *fresh = (drawn_image){.format = wanted->format, .width = wanted->width, .height = wanted->height};
+  csm_result result = device_drawn_image(device, wanted, &fresh->image, &fresh->target);
+  if (!result)
+    result = make_stores(device, wanted, fresh);
   if (result) {
-    host_release(device->host, fresh);
+    drawn_image_free(device, &fresh->retired);
     return result;
   }
   images->fresh = fresh;

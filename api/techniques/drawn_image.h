@@ -10,6 +10,7 @@ typedef struct drawn_image {
   gpu_target *target;
   gpu_format format;
   uint32_t width, height;
+  gpu_view *stores; /* what shaders write it through; NULL: they do not */
   bool drawn;
 } drawn_image;
 
@@ -18,9 +19,8 @@ typedef struct drawn_images {
   drawn_image *now, *fresh; /* may be NULL */
 } drawn_images;
 
-/* Makes a fresh one if there is none of this size. */
-csm_result drawn_image_reserve(drawn_images *images, device *device, const char *name, gpu_format format,
-                               uint32_t width, uint32_t height);
+/* Makes a fresh one if there is none of this name's format and size, and of GPU_IMAGE_STORED where that is asked for. */
+csm_result drawn_image_reserve(drawn_images *images, device *device, const gpu_image_info *wanted);
 /* The one that the recording on its way draws into. */
 drawn_image *drawn_image_next(const drawn_images *images);
 /* As a technique's functions of these names. */

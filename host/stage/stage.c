@@ -60,6 +60,7 @@ int stage_open(stage *out, const char *backend, const char *device) {
   *out = (stage){.backend = backend};
   const csm_create_info info = {.struct_size = sizeof info,
                                 .version = CSM_VERSION,
+                                .flags = CSM_CREATE_RAYS,
                                 .backend = backend,
                                 .device = device,
                                 .log = stage_log,
@@ -172,6 +173,7 @@ int stage_switch(stage *s, const char *backend, const char *device, double *ms) 
   char error[512] = "";
   const csm_create_info info = {.struct_size = sizeof info,
                                 .version = CSM_VERSION,
+                                .flags = CSM_CREATE_RAYS,
                                 .backend = backend,
                                 .device = device,
                                 .error = error,
@@ -240,6 +242,7 @@ static void median_times(stage_stats *out, const stage_stats timed[TIMED_FRAMES]
       middle_of_three(a->mask.camera_depth_gpu_ms, b->mask.camera_depth_gpu_ms, c->mask.camera_depth_gpu_ms);
   out->mask.mask_gpu_ms = middle_of_three(a->mask.mask_gpu_ms, b->mask.mask_gpu_ms, c->mask.mask_gpu_ms);
   out->mask.history_gpu_ms = middle_of_three(a->mask.history_gpu_ms, b->mask.history_gpu_ms, c->mask.history_gpu_ms);
+  out->mask.rays_gpu_ms = middle_of_three(a->mask.rays_gpu_ms, b->mask.rays_gpu_ms, c->mask.rays_gpu_ms);
   out->maps.moments_gpu_ms = middle_of_three(a->maps.moments_gpu_ms, b->maps.moments_gpu_ms, c->maps.moments_gpu_ms);
   for (uint32_t k = 0; k < out->maps.cascade_count; k++)
     out->maps.cascades[k].gpu_ms =
@@ -394,7 +397,7 @@ double stage_moments_ms(const stage_stats *stats) {
 }
 
 double stage_mask_ms(const stage_stats *stats) {
-  return stats->mask.mask_gpu_ms;
+  return stats->mask.mask_gpu_ms + fmax(stats->mask.rays_gpu_ms, 0.0);
 }
 
 double stage_history_ms(const stage_stats *stats) {

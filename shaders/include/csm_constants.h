@@ -49,7 +49,15 @@
 /* Penumbra, light's size as a share of a map, least texels around; where frames are mixed, 1 + the pattern's phase, or 3 + it
    of jittered maps, else 0 */
 #define CSM_S_SOFT_MORE 64
-#define CSM_C_COUNT 65
+/* Rays. Where the constants' origin lies in the world: as floats, and what these leave of it. */
+#define CSM_R_BEGIN 65
+#define CSM_R_HIGH 65   /* x, y, z; rays to the light's disc */
+#define CSM_R_LOW 66    /* x, y, z; first row of the instances' records, in 1024 rows */
+#define CSM_R_SCALE 67  /* of a position to the grid of the instances' tree; how many nodes it has */
+#define CSM_R_OFFSET 68 /* of it; a share of the view depth: what lies no farther than that from a triangle's plane is on it */
+/* Cosine to the light below which a ray decides where a pixel's plane is unsure, and wherever it is known */
+#define CSM_R_UNSURE 69
+#define CSM_C_COUNT 70
 
 /*
  * The mask pass's own block. A pixel's place is (x, y, depth, 1): x and y in pixels, the depth as in the camera's depth
@@ -65,7 +73,8 @@
 #define CSM_M_CLEAR 11
 #define CSM_M_DEPTH 12  /* view depth of a point of light space: dot(p, xyz) + w */
 #define CSM_M_BIAS 13   /* CSM_S_BIAS' constant, slope and slope max, and CSM_S_UNITS' constant, as this picture needs them */
-#define CSM_M_COUNT 14
+#define CSM_M_DEPTH_OFF 14 /* how much the camera's depth may be off: a share of itself, and more */
+#define CSM_M_COUNT 15
 
 /* What C and C++ see: the same blocks as structs, for an engine's own buffers and debugging. */
 #if defined(__cplusplus) || defined(__STDC_VERSION__)
@@ -100,11 +109,20 @@ typedef struct csm_settings_block {
   float soft_more[4];
 } csm_settings_block;
 
-/* Both, one after the other. */
+typedef struct csm_rays_block {
+  float high[4];
+  float low[4];
+  float scale[4];
+  float offset[4];
+  float unsure[4];
+} csm_rays_block;
+
+/* All, one after the other. */
 typedef struct csm_constants {
   csm_cascades_block cascades;
   float unused[CSM_S_BEGIN - CSM_C_CASCADES_COUNT][4];
   csm_settings_block settings;
+  csm_rays_block rays;
 } csm_constants;
 
 #ifdef __cplusplus
@@ -136,7 +154,13 @@ CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, bleeding) == (CSM_S_BLEEDING -
 CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, levels) == (CSM_S_LEVELS - CSM_S_BEGIN) * 16);
 CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, soft) == (CSM_S_SOFT - CSM_S_BEGIN) * 16);
 CSM_CONSTANTS_ASSERT(offsetof(csm_settings_block, soft_more) == (CSM_S_SOFT_MORE - CSM_S_BEGIN) * 16);
+CSM_CONSTANTS_ASSERT(offsetof(csm_rays_block, high) == (CSM_R_HIGH - CSM_R_BEGIN) * 16);
+CSM_CONSTANTS_ASSERT(offsetof(csm_rays_block, low) == (CSM_R_LOW - CSM_R_BEGIN) * 16);
+CSM_CONSTANTS_ASSERT(offsetof(csm_rays_block, scale) == (CSM_R_SCALE - CSM_R_BEGIN) * 16);
+CSM_CONSTANTS_ASSERT(offsetof(csm_rays_block, offset) == (CSM_R_OFFSET - CSM_R_BEGIN) * 16);
+CSM_CONSTANTS_ASSERT(offsetof(csm_rays_block, unsure) == (CSM_R_UNSURE - CSM_R_BEGIN) * 16);
 CSM_CONSTANTS_ASSERT(offsetof(csm_constants, settings) == CSM_S_BEGIN * 16);
+CSM_CONSTANTS_ASSERT(offsetof(csm_constants, rays) == CSM_R_BEGIN * 16);
 CSM_CONSTANTS_ASSERT(sizeof(csm_constants) == CSM_C_COUNT * 16);
 #undef CSM_CONSTANTS_ASSERT
 #endif

@@ -9,17 +9,29 @@ struct neighbours
 
 // How the depth changes from one pixel to the next along an axis. Across a plane depth is linear on screen, so the side is
 // taken on which three pixels lie on one line. Where both do, their difference is rounding, which must not choose.
-float depth_step(float depth, neighbours n, float at, float pixel)
+//
+// The better side's bend is told, too, as a share of the step: how unsure the plane is.
+struct depth_slope
+{
+    float step;
+    float bend;
+};
+
+depth_slope depth_slope_of(float depth, neighbours n, float at, float pixel)
 {
     float bend_back = abs(mad(2.0, n.back, -n.far_back) - depth), bend_on = abs(mad(2.0, n.on, -n.far_on) - depth);
     // Pixels beyond the border say nothing; `at` goes from 0 to 1 across the screen
     bend_back = at > 2.0 * pixel ? bend_back : at > pixel ? 1e20 : 1e30;
     bend_on = at < mad(-2.0, pixel, 1.0) ? bend_on : at < 1.0 - pixel ? 1e20 : 1e30;
-    return mad(depth, 4.0 / 8388608.0, bend_back) < bend_on ? depth - n.back : n.on - depth;
+    bool back = mad(depth, 4.0 / 8388608.0, bend_back) < bend_on;
+    depth_slope slope;
+    slope.step = back ? depth - n.back : n.on - depth;
+    slope.bend = max(mad(depth, -4.0 / 8388608.0, back ? bend_back : bend_on), 0.0) / max(abs(slope.step), 1e-30);
+    return slope;
 }
 
-// The depth's steps right and down.
-float2 depth_steps(float2 place, float depth)
+// The depth's steps right and down, and the greater of the two bends.
+float3 depth_plane(float2 place, float depth)
 {
     float4 size = mask_c[CSM_M_SIZE];
     float2 uv = place * size.zw;
@@ -37,5 +49,12 @@ float2 depth_steps(float2 place, float depth)
     down.far_back = above.w;
     down.on = below.w;
     down.far_on = below.x;
-    return float2(depth_step(depth, across, uv.x, size.z), depth_step(depth, down, uv.y, size.w));
+    depth_slope x = depth_slope_of(depth, across, uv.x, size.z), y = depth_slope_of(depth, down, uv.y, size.w);
+    return float3(x.step, y.step, max(x.bend, y.bend));
+}
+
+float2 depth_steps(float2 place, float depth)
+{
+    float3 plane = depth_plane(place, depth);
+    return plane.xy;
 }

@@ -96,7 +96,8 @@ CSM_API csm_result CSM_CALL csm_query_backends(uint32_t *count, csm_backend_info
 
 enum {
   CSM_CREATE_VALIDATE = 1u << 0,     /* own device: turn the driver stack's validation on, messages go to the log */
-  CSM_CREATE_KEEP_GEOMETRY = 1u << 1 /* keep a copy of every mesh in host memory, for csm_switch_backend */
+  CSM_CREATE_KEEP_GEOMETRY = 1u << 1, /* keep a copy of every mesh in host memory, for csm_switch_backend */
+  CSM_CREATE_RAYS = 1u << 2           /* make a tree of every mesh, for filters exact and exact_soft */
 };
 
 typedef struct csm_mesh_info csm_mesh_info;
@@ -154,7 +155,7 @@ CSM_API void CSM_CALL csm_destroy(csm_context *context);
  * masks are drawn anew by the next csm_render_cascades and csm_resolve_mask. What lies on an own device is freed at
  * once, after waiting for it; what lies on an engine's goes when csm_retire reaches its last frame: at once, if it has
  * done so. Works on a context whose device was lost. `info` is read as by csm_create, but for allocate, release, log,
- * user, supply, budget and CSM_CREATE_KEEP_GEOMETRY: those stay.
+ * user, supply, budget, CSM_CREATE_KEEP_GEOMETRY and CSM_CREATE_RAYS: those stay.
  * Errors: as csm_create, and INVALID_STATE (a mesh that has no copy and is not supplied), LIMIT_EXCEEDED (memory; what
  * the new device cannot do), and, with a mesh that is supplied, those of csm_mesh_create. [render-thread]
  */
@@ -630,6 +631,7 @@ typedef struct csm_view_stats {
   uint64_t bytes;                          /* device memory of mask, own camera depth, depth samples and history */
   double history_gpu_ms;                   /* as csm_cascade_stats.gpu_ms */
   uint64_t history_bytes;                  /* of `bytes`, those of the history */
+  double rays_gpu_ms;                      /* as csm_cascade_stats.gpu_ms: filters exact and exact_soft, after the mask */
 } csm_view_stats;
 
 /* The same of a view's last csm_resolve_mask. Errors: NULL_POINTER, STRUCT_SIZE, DEVICE_LOST, DEVICE.

@@ -42,7 +42,11 @@ enum {
   /* Of a light that has a size: the penumbra grows with the distance to what shadows. */
   CSM_FILTER_PCSS = 15,          /* percentage-closer soft shadows: a search for blockers, then soft_taps comparisons */
   CSM_FILTER_VSSM = 16,          /* variance soft shadow mapping: the same of two moments */
-  CSM_FILTER_BACKPROJECTION = 17 /* what the texels around the sample hide of the light's disc */
+  CSM_FILTER_BACKPROJECTION = 17, /* what the texels around the sample hide of the light's disc */
+  /* Maps decide where all texels around the sample agree; elsewhere rays through the casters' triangles do. They need a
+     context with CSM_CREATE_RAYS. */
+  CSM_FILTER_EXACT = 18,     /* one ray to the middle of the light */
+  CSM_FILTER_EXACT_SOFT = 19 /* ray_taps rays to its disc */
 };
 enum { CSM_WEIGHTS_UNIFORM = 0, CSM_WEIGHTS_GAUSSIAN = 1, CSM_WEIGHTS_CASTANO = 2 };
 enum { CSM_BIAS_SLOPE = 0, CSM_BIAS_RECEIVER_PLANE = 1 };
@@ -199,6 +203,13 @@ typedef struct csm_config {
   double history_normal_deg; /* and is turned by no more than this, in degrees */
   uint32_t history_jitter;   /* 1: each frame's maps begin elsewhere within a texel, so that edges of texels are noise, too */
   uint32_t reserved_history; /* 0 */
+
+  /* Rays: filters exact and exact_soft. */
+  uint32_t ray_taps;          /* EXACT_SOFT: rays from a pixel to the light's disc, 1 to 64 */
+  uint32_t reserved_rays;     /* 0 */
+  double ray_unsure_cosine;   /* masks without an engine's normals: where the depth leaves a pixel's plane unsure, a ray
+                                 decides if the cosine of the plane's normal to the light is below this, 0 to 1 */
+  double ray_grazing_cosine;  /* and below this one wherever the plane is known, too */
 } csm_config;
 
 enum { CSM_FIELD_UINT = 0, CSM_FIELD_DOUBLE = 1, CSM_FIELD_ENUM = 2, CSM_FIELD_DOUBLES = 3, CSM_FIELD_UINTS = 4 };

@@ -81,9 +81,10 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
   if (picture->engines_depth)
     return import(run->device, picture);
   csm_result result = extend_programs(run->device, &state->programs);
+  const gpu_image_info image = {
+      .name = "camera depth", .format = GPU_FORMAT_D32_FLOAT, .width = picture->width, .height = picture->height};
   if (!result)
-    result = drawn_image_reserve(&state->depth, run->device, "camera depth", GPU_FORMAT_D32_FLOAT, picture->width,
-                                 picture->height);
+    result = drawn_image_reserve(&state->depth, run->device, &image);
   if (!result)
     picture->depth = drawn_image_next(&state->depth)->image;
   picture->depth_rounding = (plan_grain){.share = 0x1p-24};

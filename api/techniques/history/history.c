@@ -76,10 +76,13 @@ static uint64_t size(const void *self, const technique_run *run) {
 }
 
 static csm_result reserve_images(history_state *state, device *device, const technique_picture *picture) {
-  const uint32_t width = picture->width, height = picture->height;
-  csm_result result = drawn_image_reserve(&state->mask, device, "history mask", GPU_FORMAT_R8_UNORM, width, height);
+  gpu_image_info info = {
+      .name = "history mask", .format = GPU_FORMAT_R8_UNORM, .width = picture->width, .height = picture->height};
+  csm_result result = drawn_image_reserve(&state->mask, device, &info);
+  info.name = "history";
+  info.format = GPU_FORMAT_RGBA16_FLOAT;
   for (int i = 0; i < 2 && !result; ++i)
-    result = drawn_image_reserve(&state->images[i], device, "history", GPU_FORMAT_RGBA16_FLOAT, width, height);
+    result = drawn_image_reserve(&state->images[i], device, &info);
   return result;
 }
 

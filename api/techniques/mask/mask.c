@@ -62,8 +62,12 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
   engine_imported normals = {0};
   state->ring = *ring;
   drawn_images *images = images_of(state, run);
-  csm_result result =
-      drawn_image_reserve(images, device, "mask", mask_format(run->config, show), picture->width, picture->height);
+  const gpu_image_info image = {.name = "mask",
+                                .format = mask_format(run->config, show),
+                                .usage = plan_has_rays(run->config) ? GPU_IMAGE_STORED : 0u,
+                                .width = picture->width,
+                                .height = picture->height};
+  csm_result result = drawn_image_reserve(images, device, &image);
   if (!result)
     result = import(device, picture, &normals);
   if (show != CSM_SHOW_VISIBILITY)
@@ -75,7 +79,9 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
   gpu_image *moments = mask_reads_moments(run->config, show) ? moments_image(run->cascades, run->config) : NULL;
   const uint32_t levels = !moments ? 0 : run->config->moment_levels > 1 ? 2 : 1;
   picture->normals = normals;
+  picture->mask_constants = *ring;
   picture->mask = drawn_image_next(images)->image;
+  picture->mask_stores = drawn_image_next(images)->stores;
   state->rounding = normals.image ? normals.rounding : picture->depth_rounding;
   const gpu_bindings_info reads = {
       .name = "mask",
@@ -101,7 +107,8 @@ static void write(void *self, const technique_run *run) {
                                             .show = picture->show,
                                             .normals = picture->normals.image != NULL,
                                             .unorm_normals = picture->normals.unorm,
-                                            .rounding = state->rounding},
+                                            .rounding = state->rounding,
+                                            .depth_rounding = picture->depth_rounding},
                             run->config);
 }
 

@@ -1,0 +1,343 @@
+#include "techniques/rays/instances.h"
+
+#include "csm_constants.h"
+#include "device/clock.h"
+#include "plan/tree.h"
+#include "techniques/rays/ray_record.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { node_size = sizeof(tree_node), record_unit = 1024 * node_size };
+/* A tree that was fitted to what moved is built anew where a ray has so much more to do. */
+static const double most_cost = 1.5;
+
+/* Nodes, and from a multiple of record_unit on a record for each slot. */
+typedef struct ray_buffer {
+  retired retired;
+  gpu_buffer *buffer;
+  uint64_t size, records; /* bytes; where the records begin */
+} ray_buffer;
+
+/* What the tree was made of. */
+typedef struct tree_source {
+  uint64_t identity, revision;
+  uint32_t layers, slots;
+} tree_source;
+
+/* The tree in host memory: one block for all arrays. */
+typedef struct instance_tree {
+  void *block;
+  uint32_t capacity; /* slots */
+  tree_node *nodes;
+  tree_box *boxes; /* of what casts, relative to the anchor */
+  uint32_t *order, *slots;
+  void *scratch;
+  uint32_t count, node_count; /* of what casts; 0: nothing does */
+  tree_grid grid;
+  double anchor[3];
+  double cost; /* when it was built */
+} instance_tree;
+
+typedef struct ray_instances_state {
+  ray_buffer *now, *fresh;
+  instance_tree tree;
+  tree_source holds; /* what the buffer holds; identity 0: nothing that may be kept */
+  /* of the recording on its way */
+  bool writes;
+  tree_source source;
+  ring_range ring;
+} ray_instances_state;
+
+/* ---- settings and devices ---- */
+
+static bool wanted(const csm_config *config) {
+  return plan_has_rays(config);
+}
+
+static csm_result make(void *self, device *device, const csm_config *config) {
+  const gpu_format mask = config->history == CSM_HISTORY_ON ? GPU_FORMAT_RG16_UNORM : GPU_FORMAT_R8_UNORM;
+  (void)self;
+  if (!device->trees.wanted)
+    return host_fail(device->host, CSM_ERROR_INVALID_STATE,
+                     "filter: rays need trees, and the context was made without CSM_CREATE_RAYS");
+  if (!device->info.can.compute || !device->info.can.indirect)
+    return host_fail(device->host, CSM_ERROR_UNSUPPORTED,
+                     "filter: the device cannot compute by indirect dispatches, which rays need");
+  if (!(device->info.can.formats[mask] & GPU_CAN_STORE))
+    return host_fail(device->host, CSM_ERROR_UNSUPPORTED,
+                     "filter: the device's shaders cannot write masks, which rays need (Vulkan: "
+                     "shaderStorageImageExtendedFormats)");
+  return CSM_SUCCESS;
+}
+
+static void buffer_free(device *device, retired *self) {
+  ray_buffer *buffer = (ray_buffer *)self;
+  device_buffer_free(device, buffer->buffer, buffer->size);
+  host_release(device->host, buffer);
+}
+
+static void drop(void *self, device *device) {
+  ray_instances_state *state = self;
+  if (state->now)
+    retire(device, &state->now->retired, buffer_free);
+  state->now = NULL;
+  state->holds = (tree_source){0};
+}
+
+static void adopt(void *self, device *from) {
+  ray_instances_state *state = self;
+  if (!state->fresh)
+    return;
+  drop(state, from);
+  state->now = state->fresh;
+  state->fresh = NULL;
+}
+
+static void forget(void *self, device *device) {
+  ray_instances_state *state = self;
+  if (state->fresh)
+    buffer_free(device, &state->fresh->retired);
+  state->fresh = NULL;
+}
+
+static void end(void *self, host *host) {
+  host_release(host, ((ray_instances_state *)self)->tree.block);
+}
+
+/* ---- the tree ---- */
+
+static char *carve(char **at, size_t size) {
+  char *piece = *at;
+  *at += (size + 15) / 16 * 16;
+  return piece;
+}
+
+static csm_result make_room(instance_tree *tree, host *host, uint32_t slots) {
+  if (slots <= tree->capacity)
+    return CSM_SUCCESS;
+  const uint32_t capacity = slots + slots / 2;
+  const size_t nodes = tree_nodes_most(capacity) * sizeof(tree_node), boxes = capacity * sizeof(tree_box);
+  const size_t list = capacity * sizeof(uint32_t), scratch = tree_scratch_size(capacity);
+  char *block = host_allocate(host, nodes + boxes + 2 * list + scratch + 5 * 16), *at = block;
+  if (!block)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  host_release(host, tree->block);
+  *tree = (instance_tree){.block = block, .capacity = capacity};
+  tree->nodes = (tree_node *)(void *)carve(&at, nodes);
+  tree->boxes = (tree_box *)(void *)carve(&at, boxes);
+  tree->order = (uint32_t *)(void *)carve(&at, list);
+  tree->slots = (uint32_t *)(void *)carve(&at, list);
+  tree->scratch = carve(&at, scratch);
+  return CSM_SUCCESS;
+}
+
+static bool casts(const plan_instance *instance, uint32_t layers) {
+  return plan_casts(instance) && (!layers || !instance->layers || instance->layers & layers);
+}
+
+/* Lists what casts; whether that is what was listed before. */
+static bool list_casters(instance_tree *tree, const plan_scene *scene, uint32_t layers) {
+  uint32_t count = 0;
+  bool same = true;
+  for (uint32_t slot = 0; slot < scene->slot_count; ++slot)
+    if (casts(&scene->instances[slot], layers)) {
+      same = same && count < tree->count && tree->slots[count] == slot;
+      tree->slots[count++] = slot;
+    }
+  same = same && count == tree->count;
+  tree->count = count;
+  return same;
+}
+
+/* A float at or below, or above, a number that a float holds. */
+static float rounded(double value, float towards) {
+  const float near = (float)value;
+  const bool beyond = towards < 0.0f ? near <= value : near >= value;
+  return beyond ? near : nextafterf(near, towards);
+}
+
+static void write_boxes(instance_tree *tree, const plan_scene *scene) {
+  for (uint32_t i = 0; i < tree->count; ++i) {
+    const plan_box *box = &scene->boxes[tree->slots[i]];
+    for (int axis = 0; axis < 3; ++axis) {
+      tree->boxes[i].low[axis] = rounded(box->low[axis] - tree->anchor[axis], -INFINITY);
+      tree->boxes[i].high[axis] = rounded(box->high[axis] - tree->anchor[axis], INFINITY);
+    }
+  }
+}
+
+/* Leaves of one item each; they name its slot, once `order` has told which one it is. */
+static void build(instance_tree *tree, const plan_scene *scene) {
+  const plan_box *first = &scene->boxes[tree->slots[0]];
+  for (int axis = 0; axis < 3; ++axis)
+    tree->anchor[axis] = 0.5 * (first->low[axis] + first->high[axis]);
+  write_boxes(tree, scene);
+  tree->node_count = tree_build(tree->nodes, tree->order, tree->boxes, tree->count,
+                                (tree_shape){.most_items = 1, .item_cost = 4.0f}, tree->scratch);
+  tree->cost = tree_fit(tree->nodes, tree->node_count, tree->order, tree->boxes, &tree->grid, tree->scratch);
+}
+
+static void update(instance_tree *tree, const plan_scene *scene, uint32_t layers) {
+  const bool same = list_casters(tree, scene, layers);
+  if (!tree->count) {
+    tree->node_count = 0;
+    return;
+  }
+  if (same && tree->node_count) {
+    write_boxes(tree, scene);
+    const double cost =
+        tree_fit(tree->nodes, tree->node_count, tree->order, tree->boxes, &tree->grid, tree->scratch);
+    if (cost <= most_cost * tree->cost)
+      return;
+  }
+  build(tree, scene);
+}
+
+/* ---- a frame ---- */
+
+static tree_source source_of(const technique_run *run) {
+  const plan_scene *scene = run->scene;
+  return (tree_source){.identity = scene->identity,
+                       .revision = scene->revision,
+                       .layers = run->light_layers,
+                       .slots = scene->slot_count};
+}
+
+/* A list that comes anew in each frame tells nothing of what it was. */
+static bool is_stale(const ray_instances_state *state, const technique_run *run) {
+  const tree_source now = source_of(run), *holds = &state->holds;
+  return !state->now || !holds->identity || now.identity != holds->identity || now.revision != holds->revision ||
+         now.layers != holds->layers || now.slots != holds->slots;
+}
+
+static uint64_t records_at(uint32_t slots) {
+  const uint64_t nodes = slots ? tree_nodes_most(slots) * node_size : node_size;
+  return (nodes + record_unit - 1) / record_unit * record_unit;
+}
+
+static uint64_t bytes_for(uint32_t slots) {
+  return records_at(slots) + (uint64_t)(slots ? slots : 1) * RAY_RECORD_SIZE;
+}
+
+static uint64_t size(const void *self, const technique_run *run) {
+  return is_stale(self, run) ? bytes_for(run->scene->slot_count) : 0;
+}
+
+static csm_result make_buffer(device *device, uint32_t slots, ray_buffer **out) {
+  const uint32_t room = slots + slots / 2;
+  const uint64_t most = device->info.can.max_storage_size;
+  ray_buffer *made = host_allocate(device->host, sizeof *made);
+  if (!made)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  made->records = records_at(room);
+  made->size = bytes_for(room);
+  csm_result result = made->size <= most ? CSM_SUCCESS
+                                         : host_fail(device->host, CSM_ERROR_LIMIT_EXCEEDED,
+                                                     "filter: the tree of %u instances takes more than shaders see at once",
+                                                     slots);
+  const gpu_buffer_info info = {
+      .name = "instances' tree", .kind = GPU_BUFFER_DEVICE, .size = made->size, .usage = GPU_BUFFER_READ};
+  if (!result)
+    result = device_buffer(device, &info, &made->buffer);
+  if (result) {
+    host_release(device->host, made);
+    return result;
+  }
+  *out = made;
+  return CSM_SUCCESS;
+}
+
+static bool has_room(const ray_buffer *buffer, uint32_t slots) {
+  return buffer && records_at(slots) <= buffer->records &&
+         (uint64_t)slots * RAY_RECORD_SIZE <= buffer->size - buffer->records;
+}
+
+static csm_result reserve(void *self, technique_run *run, const ring_range *ring) {
+  ray_instances_state *state = self;
+  const uint32_t slots = run->scene->slot_count;
+  state->writes = is_stale(state, run);
+  if (!state->writes)
+    return CSM_SUCCESS;
+  state->source = source_of(run);
+  state->ring = *ring;
+  csm_result result = make_room(&state->tree, run->device->host, slots);
+  if (!result && !has_room(state->now, slots))
+    result = make_buffer(run->device, slots, &state->fresh);
+  if (!result)
+    update(&state->tree, run->scene, run->light_layers);
+  return result;
+}
+
+/* Nodes, whose leaves name slots, and records. */
+static void write(void *self, const technique_run *run) {
+  const ray_instances_state *state = self;
+  const instance_tree *tree = &state->tree;
+  const plan_scene *scene = run->scene;
+  if (!state->writes)
+    return;
+  tree_node *nodes = state->ring.memory;
+  for (uint32_t i = 0; i < tree->node_count; ++i) {
+    nodes[i] = tree->nodes[i];
+    if (tree_is_leaf(&nodes[i]))
+      nodes[i].link = TREE_LEAF | tree->slots[tree->order[tree_first_item(&nodes[i])]];
+  }
+  char *records = (char *)state->ring.memory + records_at(scene->slot_count);
+  for (uint32_t i = 0; i < tree->count; ++i) {
+    const uint32_t slot = tree->slots[i], mesh = scene->instances[slot].mesh;
+    ray_record_write(records + (size_t)slot * RAY_RECORD_SIZE, &scene->instances[slot], &scene->meshes[mesh],
+                     run->device->geometry.meshes[mesh].rays);
+  }
+}
+
+static void record(void *self, const technique_run *run) {
+  ray_instances_state *state = self;
+  const gpu gpu = run->device->gpu;
+  const uint64_t records = records_at(run->scene->slot_count);
+  if (!state->writes)
+    return;
+  if (state->tree.node_count) {
+    gpu_copy_buffer(gpu, state->now->buffer, 0, state->ring.buffer, state->ring.offset,
+                    (uint64_t)state->tree.node_count * node_size);
+    gpu_copy_buffer(gpu, state->now->buffer, state->now->records, state->ring.buffer, state->ring.offset + records,
+                    (uint64_t)run->scene->slot_count * RAY_RECORD_SIZE);
+  }
+  state->holds = state->source;
+}
+
+/* ---- what came of it ---- */
+
+gpu_buffer *ray_instances_buffer(const technique_set *cascades) {
+  const ray_instances_state *state = technique_state(cascades, &technique_ray_instances);
+  return state->now ? state->now->buffer : NULL;
+}
+
+void ray_instances_write(const technique_set *cascades, const plan_frame *frame, void *constants) {
+  const ray_instances_state *state = technique_state(cascades, &technique_ray_instances);
+  const instance_tree *tree = &state->tree;
+  csm_rays_block *rays = &((csm_constants *)constants)->rays;
+  if (!state->now)
+    return;
+  rays->low[3] = (float)(state->now->records / record_unit);
+  rays->scale[3] = (float)tree->node_count;
+  for (int axis = 0; axis < 3 && tree->node_count; ++axis) {
+    rays->scale[axis] = (float)tree->grid.scale[axis];
+    rays->offset[axis] =
+        (float)((frame->origin[axis] - tree->anchor[axis]) * tree->grid.scale[axis] + tree->grid.offset[axis]);
+  }
+}
+
+const technique technique_ray_instances = {
+    .name = "instances of rays",
+    .state_size = sizeof(ray_instances_state),
+    .wanted = wanted,
+    .make = make,
+    .adopt = adopt,
+    .forget = forget,
+    .drop = drop,
+    .end = end,
+    .size = size,
+    .reserve = reserve,
+    .write = write,
+    .record = record,
+};

@@ -1,0 +1,102 @@
+// Rays for the pixels in the list: each thread decides one, and writes its visibility into the mask.
+#define MASK_GENERAL 1
+#define CSM_FILTER CSM_FILTER_NEAREST
+#include "csm_enums.h"
+#include "private/mask.hlsl"
+#include "private/mask_inputs_fill.hlsl"
+#include "private/rays.h"
+
+StructuredBuffer<uint4> csm_meshes : register(t8);
+StructuredBuffer<uint4> csm_instances : register(t9);
+StructuredBuffer<uint> list : register(t10);
+#if RAYS_MIXED
+#define RAYS_LEVELS 65535.0
+#ifdef VULKAN
+[[spv::format_rg16]]
+#endif
+RWTexture2D<float2> mask : register(u0); // whose second channel is csm_flatness: rays know no kernel
+#else
+#define RAYS_LEVELS 255.0
+#ifdef VULKAN
+[[spv::format_r8]]
+#endif
+RWTexture2D<float> mask : register(u0);
+#endif
+#define CSM_MESHES(row) csm_meshes[row]
+#define CSM_INSTANCES(row) csm_instances[row]
+#define CSM_ROW_FLOATS(row) asfloat(row)
+#define csm_uint4 uint4
+#include "csm_rays.inc"
+
+// What a depth may be off moves the pixel so far.
+float depth_move(float2 place, float depth, float3 at)
+{
+    float2 rounding = mask_c[CSM_M_DEPTH_OFF].xy;
+    float off = mad(depth, rounding.x, rounding.y), scale = 1.0 / light_row(inputs.light_3, place, depth);
+    float nearer = off * inputs.light_3.z;
+    float3 move = float3(mad(-at.x, nearer, off * inputs.light_0.z), mad(-at.y, nearer, off * inputs.light_1.z),
+                         mad(-at.z, nearer, off * inputs.light_2.z)) * scale;
+    return sqrt(csm_dot(move, move));
+}
+
+// From light space to the world, relative to the constants' origin.
+float3 from_light(float3 v)
+{
+    float3 x = csm_c[CSM_C_BASIS].xyz, y = csm_c[CSM_C_BASIS + 1].xyz, z = csm_c[CSM_C_BASIS + 2].xyz;
+    return float3(mad(v.x, x.x, mad(v.y, y.x, v.z * z.x)), mad(v.x, x.y, mad(v.y, y.y, v.z * z.y)),
+                  mad(v.x, x.z, mad(v.y, y.z, v.z * z.z)));
+}
+
+#if RAYS_SOFT
+// The share of the light's disc that is seen, by points of a spiral that is turned by where in the world the pixel lies.
+float seen_of_disc(csm_receiver receiver, float3 at, float apart)
+{
+    csm_found found = csm_find_first(receiver);
+    float turn = mad(csm_c[CSM_S_SOFT_MORE].w, 37.0, csm_noise(found));
+    float angle = 6.2831853 * (turn - floor(turn));
+    float2 direction = float2(cos(angle), sin(angle)), golden = float2(-0.73736888, 0.67549029);
+    float taps = csm_c[CSM_R_HIGH].w, radius = csm_c[CSM_S_SOFT].x, dark = 0.0;
+    float phase = csm_c[CSM_S_SOFT_MORE].w + 0.5;
+    phase = phase - floor(phase);
+    [loop] for (int i = 0; i < int(taps); ++i)
+    {
+        float2 beside = direction * (radius * sqrt((float(i) + phase) / taps));
+        csm_traced traced = csm_trace(at, from_light(float3(beside.x, beside.y, -1.0)), apart);
+        dark += traced.met;
+        direction = csm_turn(direction, golden);
+    }
+    return max(1.0 - dark / taps, 0.0);
+}
+#endif
+
+[numthreads(RAYS_THREADS, 1, 1)]
+void main(uint3 group : SV_GroupID, uint thread : SV_GroupIndex)
+{
+    uint index = (group.y * uint(RAYS_MOST_GROUPS) + group.x) * uint(RAYS_THREADS) + thread;
+    if (index < list[RAYS_COUNT])
+    {
+        uint pixel = list[RAYS_FIRST + index];
+        int2 texel = int2(int(pixel & 65535u), int(pixel >> 16u));
+        float2 place = float2(texel) + 0.5;
+        inputs = mask_inputs_of(float4(place, 0.0, 1.0));
+        float depth = camera_depth.Load(int3(texel, 0));
+        float3 light_at = light_position(place, depth);
+        float view_depth = light_view_depth(light_at);
+        float apart = mad(view_depth, csm_c[CSM_R_OFFSET].w, depth_move(place, depth, light_at));
+        float3 at = from_light(light_at);
+#if RAYS_SOFT
+        csm_receiver receiver = csm_receiver_of(light_at, float3(0.0, 0.0, -1.0), view_depth);
+        float lit = seen_of_disc(receiver, at, apart);
+#else
+        csm_traced traced = csm_trace(at, from_light(float3(0.0, 0.0, -1.0)), apart);
+        float lit = 1.0 - traced.met;
+#endif
+        // Rounded here, for a device may round what it stores either way
+        float level = floor(mad(csm_faded(lit, view_depth), RAYS_LEVELS, 0.5)) * (1.0 / RAYS_LEVELS);
+#if RAYS_MIXED
+        mask[texel] = float2(level, 0.0);
+#else
+        mask[texel] = level;
+#endif
+    }
+}
