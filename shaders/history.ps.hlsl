@@ -261,7 +261,7 @@ float4 main(history_inputs pixel) : SV_Target
     float mean = mad(bounded - visibility, 1.0 - 1.0 / frames, visibility);
     float span = clamp(place_row(inputs.own, place, depth), -65504.0, 65504.0);
     bool nothing = depth == inputs.clear.x;
-    float flat = mask.Load(int3(int2(place), 0)).y;
+    float flat = mask.Load(int3(int2(place), 0)).y; // apart: of one load vkd3d's compiler makes a move that vkd3d 1.2 misreads
     float flatness = before.knows > 0.01 ? before.flatness / before.knows : flat;
     flatness = flat > 0.0 ? mad(flat - flatness, 1.0 / min(frames, 8.0), flatness) : flatness;
     return float4(nothing ? 1.0 : mean, nothing ? CSM_H_NO_FRAMES : encode_frames(frames, flatness, place), nothing ? 0.0 : span, nothing ? 0.0 : encode_normal(s.normal));

@@ -1,6 +1,11 @@
 // The mask: visibility of every pixel of a camera's depth image.
 #include "private/mask.hlsl"
 
+// What a pixel is that no ray is to decide: a view of rays makes it something else.
+#ifndef MASK_DECIDED
+#define MASK_DECIDED(lit) (lit)
+#endif
+
 #if CSM_FILTER == CSM_FILTER_EXACT || CSM_FILTER == CSM_FILTER_EXACT_SOFT
 #define MASK_RAYS 1
 #include "private/rays.h"
@@ -66,9 +71,11 @@ float2 main(mask_inputs pixel) : SV_Target
     float lit = csm_visibility_of(receiver);
     float flatness = 0.0;
 #if MASK_RAYS
-    lit = csm_undecided > 0.0 || (csm_undecided == 0.0 && is_unsure(normal)) ? RAYS_UNDECIDED : lit;
+    bool undecided = csm_undecided > 0.0 || (csm_undecided == 0.0 && is_unsure(normal));
+    float level = mad(floor(mad(lit, RAYS_SHARES, 0.5)), RAYS_UNDECIDED_STEP, RAYS_UNDECIDED) * (1.0 / 255.0);
+    lit = undecided ? level : MASK_DECIDED(lit);
 #elif CSM_KNOWS_LIGHT == 1
     flatness = csm_flatness;
 #endif
-    return float2(depth == mask_c[CSM_M_CLEAR].x ? 1.0 : lit, flatness);
+    return float2(depth == mask_c[CSM_M_CLEAR].x ? MASK_DECIDED(1.0) : lit, flatness);
 }

@@ -8,7 +8,7 @@
 
 StructuredBuffer<uint4> csm_meshes : register(t8);
 StructuredBuffer<uint4> csm_instances : register(t9);
-StructuredBuffer<uint> list : register(t10);
+RWStructuredBuffer<uint> list : register(u4);
 #if RAYS_MIXED
 #define RAYS_LEVELS 65535.0
 #ifdef VULKAN
@@ -47,27 +47,69 @@ float3 from_light(float3 v)
                   mad(v.x, x.z, mad(v.y, y.z, v.z * z.z)));
 }
 
+// What rays found out about a pixel. The map's share counts for those that met nothing, but passed what cannot be met.
+struct decision
+{
+    float lit;
+    float by_map;
+    float nodes;
+    float triangles;
+};
+
+decision add_ray(decision so_far, csm_traced traced, float share)
+{
+    decision d = so_far;
+    bool by_map = traced.met == 0.0 && traced.unknown > 0.0;
+    d.lit += by_map ? share : 1.0 - traced.met;
+    d.by_map = by_map ? 1.0 : d.by_map;
+    d.nodes += traced.nodes;
+    d.triangles += traced.triangles;
+    return d;
+}
+
 #if RAYS_SOFT
 // The share of the light's disc that is seen, by points of a spiral that is turned by where in the world the pixel lies.
-float seen_of_disc(csm_receiver receiver, float3 at, float apart)
+decision add_disc(decision so_far, csm_receiver receiver, float3 at, float apart, float share)
 {
+    decision d = so_far;
     csm_found found = csm_find_first(receiver);
     float turn = mad(csm_c[CSM_S_SOFT_MORE].w, 37.0, csm_noise(found));
     float angle = 6.2831853 * (turn - floor(turn));
     float2 direction = float2(cos(angle), sin(angle)), golden = float2(-0.73736888, 0.67549029);
-    float taps = csm_c[CSM_R_HIGH].w, radius = csm_c[CSM_S_SOFT].x, dark = 0.0;
+    float taps = csm_c[CSM_R_HIGH].w, radius = csm_c[CSM_S_SOFT].x;
     float phase = csm_c[CSM_S_SOFT_MORE].w + 0.5;
     phase = phase - floor(phase);
     [loop] for (int i = 0; i < int(taps); ++i)
     {
         float2 beside = direction * (radius * sqrt((float(i) + phase) / taps));
-        csm_traced traced = csm_trace(at, from_light(float3(beside.x, beside.y, -1.0)), apart);
-        dark += traced.met;
+        d = add_ray(d, csm_trace(at, from_light(float3(beside.x, beside.y, -1.0)), apart), share);
         direction = csm_turn(direction, golden);
     }
-    return max(1.0 - dark / taps, 0.0);
+    d.lit = min(d.lit / taps, 1.0);
+    return d;
 }
 #endif
+
+// What a picture shows of a pixel.
+float level_of(decision d, float view_depth)
+{
+#if RAYS_VIEW
+    // Rounded here, as all that is written, so that no format has a say in it
+    return clamp(floor(mad(log2(max(d.nodes, 1.0)), 16.0, 1.5)), 1.0, 255.0) * (1.0 / 255.0);
+#else
+    return floor(mad(csm_faded(d.lit, view_depth), RAYS_LEVELS, 0.5)) * (1.0 / RAYS_LEVELS);
+#endif
+}
+
+void count(decision d)
+{
+    if (d.by_map > 0.0)
+        InterlockedAdd(list[RAYS_BY_MAP], 1u);
+#if RAYS_VIEW
+    InterlockedAdd(list[RAYS_NODES], uint(d.nodes * 0.0625));
+    InterlockedAdd(list[RAYS_TRIANGLES], uint(d.triangles * 0.0625));
+#endif
+}
 
 [numthreads(RAYS_THREADS, 1, 1)]
 void main(uint3 group : SV_GroupID, uint thread : SV_GroupIndex)
@@ -75,8 +117,9 @@ void main(uint3 group : SV_GroupID, uint thread : SV_GroupIndex)
     uint index = (group.y * uint(RAYS_MOST_GROUPS) + group.x) * uint(RAYS_THREADS) + thread;
     if (index < list[RAYS_COUNT])
     {
-        uint pixel = list[RAYS_FIRST + index];
-        int2 texel = int2(int(pixel & 65535u), int(pixel >> 16u));
+        uint pixel = list[RAYS_FIRST + index], last = (1u << uint(RAYS_PLACE_BITS)) - 1u;
+        int2 texel = int2(int(pixel & last), int((pixel >> uint(RAYS_PLACE_BITS)) & last));
+        float share = float(pixel >> uint(RAYS_SHARE_BIT)) * (1.0 / RAYS_SHARES);
         float2 place = float2(texel) + 0.5;
         inputs = mask_inputs_of(float4(place, 0.0, 1.0));
         float depth = camera_depth.Load(int3(texel, 0));
@@ -84,19 +127,22 @@ void main(uint3 group : SV_GroupID, uint thread : SV_GroupIndex)
         float view_depth = light_view_depth(light_at);
         float apart = mad(view_depth, csm_c[CSM_R_OFFSET].w, depth_move(place, depth, light_at));
         float3 at = from_light(light_at);
+        decision d;
+        d.lit = 0.0;
+        d.by_map = 0.0;
+        d.nodes = 0.0;
+        d.triangles = 0.0;
 #if RAYS_SOFT
         csm_receiver receiver = csm_receiver_of(light_at, float3(0.0, 0.0, -1.0), view_depth);
-        float lit = seen_of_disc(receiver, at, apart);
+        d = add_disc(d, receiver, at, apart, share);
 #else
-        csm_traced traced = csm_trace(at, from_light(float3(0.0, 0.0, -1.0)), apart);
-        float lit = 1.0 - traced.met;
+        d = add_ray(d, csm_trace(at, from_light(float3(0.0, 0.0, -1.0)), apart), share);
 #endif
-        // Rounded here, for a device may round what it stores either way
-        float level = floor(mad(csm_faded(lit, view_depth), RAYS_LEVELS, 0.5)) * (1.0 / RAYS_LEVELS);
+        count(d);
 #if RAYS_MIXED
-        mask[texel] = float2(level, 0.0);
+        mask[texel] = float2(level_of(d, view_depth), 0.0);
 #else
-        mask[texel] = level;
+        mask[texel] = level_of(d, view_depth);
 #endif
     }
 }

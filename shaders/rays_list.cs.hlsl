@@ -13,12 +13,13 @@ RWStructuredBuffer<uint> list : register(u4);
 [numthreads(RAYS_TILE, RAYS_TILE, 1)]
 void main(uint3 pixel : SV_DispatchThreadID)
 {
-    float lit = mask.Load(int3(int2(pixel.xy), 0));
+    float share = mad(mask.Load(int3(int2(pixel.xy), 0)), 255.0, -RAYS_UNDECIDED) * (1.0 / RAYS_UNDECIDED_STEP);
     bool inside = int(pixel.x) < int(mask_c[CSM_M_SIZE].x) && int(pixel.y) < int(mask_c[CSM_M_SIZE].y);
-    if (inside && abs(lit - RAYS_UNDECIDED) < 0.001)
+    if (inside && share > -0.1 && share < RAYS_SHARES + 0.1)
     {
         uint place;
         InterlockedAdd(list[RAYS_COUNT], 1u, place);
-        list[RAYS_FIRST + place] = pixel.x | (pixel.y << 16u);
+        uint k = uint(int(share + 0.5));
+        list[RAYS_FIRST + place] = pixel.x | (pixel.y << uint(RAYS_PLACE_BITS)) | (k << uint(RAYS_SHARE_BIT));
     }
 }

@@ -20,7 +20,7 @@ static csm_result check_info(csm_context *context, const csm_mask_info *info) {
   host *host = &context->host;
   if (info->flags & ~(uint32_t)CSM_FRAME_TIMESTAMPS)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_mask_info: unknown flags %x", info->flags);
-  if (info->show > CSM_SHOW_HISTORY)
+  if (info->show > CSM_SHOW_RAYS)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_mask_info: there is no show %u", info->show);
   if (info->reserved)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_mask_info: reserved is %u, not 0", info->reserved);
@@ -70,7 +70,10 @@ static csm_result check_shown(csm_context *context, const csm_config *config, ui
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_mask_info: show history, and the cascades keep none");
   if (show == CSM_SHOW_PENUMBRA && !plan_is_soft(config))
     return host_fail(host, CSM_ERROR_INVALID_VALUE,
-                     "csm_mask_info: show penumbra, and the filter finds none: pcss, vssm and backprojection do");
+                     "csm_mask_info: show penumbra, and the filter finds none: those that look at the light's size do");
+  if (show == CSM_SHOW_RAYS && !plan_has_rays(config))
+    return host_fail(host, CSM_ERROR_INVALID_VALUE,
+                     "csm_mask_info: show rays, and the filter sends none: exact and exact_soft do");
   return CSM_SUCCESS;
 }
 

@@ -25,7 +25,8 @@ csm_result CSM_CALL csm_get_stats(csm_cascades *cascades, csm_stats *out) {
   csm_stats stats = {.cascade_count = cascades->config.cascade_count,
                      .plan_hash = hash_of(cascades),
                      .geometry_bytes = device->geometry.bytes,
-                     .frame_bytes = ring_bytes(device)};
+                     .frame_bytes = ring_bytes(device),
+                     .mesh_trees_ms = meshes_trees_ms(&context->assets)};
   if (cascades->drawn) {
     stats.plan_ms = cascades->plan_ms;
     stats.record_ms = cascades->record_ms;

@@ -61,6 +61,8 @@ instances_meshes assets_meshes(const assets *assets);
 csm_result mesh_create(assets *assets, const csm_mesh_info *info, csm_mesh *mesh);
 csm_result mesh_update(assets *assets, csm_mesh mesh, const csm_mesh_update_info *info);
 csm_result mesh_destroy(assets *assets, csm_mesh mesh);
+/* What making the trees of all meshes took. */
+double meshes_trees_ms(const assets *assets);
 csm_result meshes_move(assets *assets, device *to);
 void meshes_moved(assets *assets);
 void meshes_stay(assets *assets);

@@ -236,6 +236,14 @@ csm_result mesh_destroy(assets *assets, csm_mesh mesh) {
   return CSM_SUCCESS;
 }
 
+double meshes_trees_ms(const assets *assets) {
+  const mesh_table *meshes = &assets->meshes;
+  double sum = 0.0;
+  for (uint32_t i = 0; i < meshes->handles.count; ++i)
+    sum += meshes->trees[i] ? meshes->trees[i]->build_ms : 0.0;
+  return sum;
+}
+
 /* ---- moving to another device ---- */
 
 static bool same_shape(const csm_mesh_info *a, const csm_mesh_info *b) {

@@ -482,6 +482,8 @@ enum {
                             that, what is less than soft_radius_least_texels with this */
   CSM_SHOW_HISTORY = 4,  /* with csm_config.history: how many frames the pixel of the mask is the mean of, as n / 255.
                             The mask is accumulated as it is for visibility */
+  CSM_SHOW_RAYS = 5,     /* filters exact and exact_soft: how many nodes of trees the pixel's rays looked at, as
+                            (1 + 16 * log2(n)) / 255, rounded and clamped to 1..255; 0 where the map decided */
 };
 
 typedef struct csm_mask_info {
@@ -615,6 +617,9 @@ typedef struct csm_stats {
                                  another scene than before, all */
   double moments_gpu_ms;      /* as csm_cascade_stats.gpu_ms: making and blurring moments */
   uint64_t moment_bytes;      /* device memory of the moments of these cascades' maps, and of what they are blurred in */
+  uint64_t tree_bytes;        /* device memory of what rays look up: trees of the context's meshes, and of instances */
+  double mesh_trees_ms;       /* making the trees of the context's meshes, all together, on the CPU */
+  double instance_tree_ms;    /* bringing the instances' tree up to date in the last csm_render_cascades */
 } csm_stats;
 
 /*
@@ -631,7 +636,11 @@ typedef struct csm_view_stats {
   uint64_t bytes;                          /* device memory of mask, own camera depth, depth samples and history */
   double history_gpu_ms;                   /* as csm_cascade_stats.gpu_ms */
   uint64_t history_bytes;                  /* of `bytes`, those of the history */
-  double rays_gpu_ms;                      /* as csm_cascade_stats.gpu_ms: filters exact and exact_soft, after the mask */
+  double rays_gpu_ms;      /* as csm_cascade_stats.gpu_ms: filters exact and exact_soft, after the mask */
+  uint32_t ray_pixels;     /* of the last mask with such a filter that the GPU is done with: pixels that sent rays */
+  uint32_t ray_map_pixels; /* and those of them that the map decided: their rays passed casters that cannot be traced */
+  uint64_t ray_nodes;      /* of the last CSM_SHOW_RAYS: nodes that all rays looked at, to 16 a pixel */
+  uint64_t ray_triangles;  /* and triangles */
 } csm_view_stats;
 
 /* The same of a view's last csm_resolve_mask. Errors: NULL_POINTER, STRUCT_SIZE, DEVICE_LOST, DEVICE.

@@ -70,7 +70,7 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
   csm_result result = drawn_image_reserve(images, device, &image);
   if (!result)
     result = import(device, picture, &normals);
-  if (show != CSM_SHOW_VISIBILITY)
+  if (show != CSM_SHOW_VISIBILITY && show != CSM_SHOW_RAYS)
     normals = (engine_imported){0}; /* checked all the same */
   if (!result)
     result = mask_program(device, run->config, normals.image, show, &state->program);

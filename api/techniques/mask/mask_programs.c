@@ -54,12 +54,14 @@ gpu_format mask_format(const csm_config *config, uint32_t show) {
 }
 
 static mask_key key_of(const csm_config *config, bool normals, uint32_t show) {
-  const bool moments = mask_reads_moments(config, show), seen = show == CSM_SHOW_VISIBILITY;
-  return (mask_key){.variant = seen ? variant_of(config, normals)
+  const bool moments = mask_reads_moments(config, show);
+  const bool seen = show == CSM_SHOW_VISIBILITY, rays = show == CSM_SHOW_RAYS;
+  return (mask_key){.variant = seen   ? variant_of(config, normals)
+                               : rays ? shader_key_mask_rays((int32_t)config->filter, normals)
                                : show == CSM_SHOW_PENUMBRA
                                    ? shader_key_mask_penumbra(moments ? CSM_FILTER_VSSM : CSM_FILTER_PCSS)
                                    : 0,
-                    .normals = normals && seen,
+                    .normals = normals && (seen || rays),
                     .moments = !moments                    ? 0
                                : config->moment_levels > 1 ? 2
                                                            : 1,

@@ -2,6 +2,7 @@
 
 #include "csm_constants.h"
 #include "device/clock.h"
+#include "device/tree_pool.h"
 #include "plan/tree.h"
 #include "techniques/rays/ray_record.h"
 
@@ -42,6 +43,7 @@ typedef struct instance_tree {
 typedef struct ray_instances_state {
   ray_buffer *now, *fresh;
   instance_tree tree;
+  double update_ms;  /* bringing the tree up to date, on the CPU */
   tree_source holds; /* what the buffer holds; identity 0: nothing that may be kept */
   /* of the recording on its way */
   bool writes;
@@ -256,7 +258,9 @@ static bool has_room(const ray_buffer *buffer, uint32_t slots) {
 static csm_result reserve(void *self, technique_run *run, const ring_range *ring) {
   ray_instances_state *state = self;
   const uint32_t slots = run->scene->slot_count;
+  const double begin_ms = clock_ms();
   state->writes = is_stale(state, run);
+  state->update_ms = 0.0;
   if (!state->writes)
     return CSM_SUCCESS;
   state->source = source_of(run);
@@ -266,14 +270,16 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
     result = make_buffer(run->device, slots, &state->fresh);
   if (!result)
     update(&state->tree, run->scene, run->light_layers);
+  state->update_ms = clock_ms() - begin_ms;
   return result;
 }
 
 /* Nodes, whose leaves name slots, and records. */
 static void write(void *self, const technique_run *run) {
-  const ray_instances_state *state = self;
+  ray_instances_state *state = self;
   const instance_tree *tree = &state->tree;
   const plan_scene *scene = run->scene;
+  const double begin_ms = clock_ms();
   if (!state->writes)
     return;
   tree_node *nodes = state->ring.memory;
@@ -288,6 +294,7 @@ static void write(void *self, const technique_run *run) {
     ray_record_write(records + (size_t)slot * RAY_RECORD_SIZE, &scene->instances[slot], &scene->meshes[mesh],
                      run->device->geometry.meshes[mesh].rays);
   }
+  state->update_ms += clock_ms() - begin_ms;
 }
 
 static void record(void *self, const technique_run *run) {
@@ -306,6 +313,12 @@ static void record(void *self, const technique_run *run) {
 }
 
 /* ---- what came of it ---- */
+
+static void tell(const void *self, const device *device, csm_stats *stats) {
+  const ray_instances_state *state = self;
+  stats->tree_bytes = tree_pool_bytes(device) + (state->now ? state->now->size : 0);
+  stats->instance_tree_ms = state->update_ms;
+}
 
 gpu_buffer *ray_instances_buffer(const technique_set *cascades) {
   const ray_instances_state *state = technique_state(cascades, &technique_ray_instances);
@@ -340,4 +353,5 @@ const technique technique_ray_instances = {
     .reserve = reserve,
     .write = write,
     .record = record,
+    .tell = tell,
 };

@@ -3,6 +3,7 @@
 #include "device/tree_pool.h"
 #include "private/rays.h"
 #include "shader_code.h"
+#include "techniques/history/history.h"
 #include "techniques/inputs.h"
 #include "techniques/mask/mask_programs.h"
 #include "techniques/pass_timer.h"
@@ -19,8 +20,25 @@ typedef struct pixel_list {
   uint64_t size;
 } pixel_list;
 
+/* The list's header on its way back. */
+typedef struct count_read {
+  retired retired;
+  struct count_read *next;
+  gpu_buffer *buffer;
+  uint64_t serial; /* the frame that copies it */
+  bool view;       /* nodes were counted, too */
+} count_read;
+
+/* What the GPU has counted. */
+typedef struct ray_counts {
+  uint32_t pixels, by_map;
+  uint64_t nodes, triangles;
+} ray_counts;
+
 typedef struct rays_state {
   pixel_list *now, *fresh;
+  count_read *reads_back; /* of recordings that may be on their way, newest first */
+  ray_counts counts;
   inputs inputs[steps];
   pass_timer timer;
   /* of the recording on its way */
@@ -28,6 +46,7 @@ typedef struct rays_state {
   ring_range ring;
   gpu_program *programs[steps];
   input *reads[steps];
+  count_read *counting;
 } rays_state;
 
 static bool wanted(const csm_config *config) {
@@ -36,41 +55,44 @@ static bool wanted(const csm_config *config) {
 
 /* ---- programs ---- */
 
-/* What a program is made for: list, groups, or rays, which are RAYS_SOFT and RAYS_MIXED. */
-enum { LIST = 0, GROUPS = 1, RAYS = 2, SOFT = 1, MIXED = 2 };
+/* What a program is made for. */
+typedef struct rays_key {
+  uint32_t step;
+  uint64_t variant; /* of rays.cs.hlsl, in the last step */
+} rays_key;
 
-static gpu_code code_of(uint32_t kind) {
-  static const gpu_code *const codes[] = {&shader_rays_list_cs, &shader_rays_groups_cs,
-                                          &shader_rays_cs,      &shader_rays_soft_cs,
-                                          &shader_rays_mixed_cs, &shader_rays_soft_mixed_cs};
-  return *codes[kind];
-}
+enum { LIST = 0, GROUPS = 1, RAYS = 2 };
 
 static csm_result make_program(gpu gpu, const void *about, gpu_program **out) {
-  const uint32_t kind = *(const uint32_t *)about;
-  const bool rays = kind >= RAYS;
-  const gpu_program_info info = {.name = rays ? "rays" : kind == LIST ? "rays' pixels" : "rays' groups",
-                                 .compute = code_of(kind),
+  static const char *const names[steps] = {"rays' pixels", "rays' groups", "rays"};
+  const rays_key *key = about;
+  const bool rays = key->step == RAYS;
+  const gpu_program_info info = {.name = names[key->step],
+                                 .compute = rays                 ? *shader_find(key->variant)
+                                            : key->step == LIST ? shader_rays_list_cs
+                                                                : shader_rays_groups_cs,
                                  .constants_count = 2,
                                  .constants_sizes = {MASK_CASCADES_BLOCK, MASK_CAMERA_BLOCK},
-                                 .texture_count = kind == GROUPS ? 0 : rays ? 2 : 1,
-                                 .buffer_count = rays ? 3 : 0,
+                                 .texture_count = rays ? 2 : key->step == LIST,
+                                 .buffer_count = rays ? 2 : 0,
                                  .store_image_count = rays,
-                                 .store_buffer_count = !rays,
+                                 .store_buffer_count = 1,
                                  .sampler_count = rays,
                                  .samplers = {GPU_SAMPLER_POINT_CLAMP}};
   return gpu_program_create(gpu, &info, out);
 }
 
-static csm_result find_programs(rays_state *state, device *device, const csm_config *config) {
-  const uint32_t soft = config->filter == CSM_FILTER_EXACT_SOFT ? SOFT : 0;
-  const uint32_t mixed = config->history == CSM_HISTORY_ON ? MIXED : 0;
-  const uint32_t kinds[steps] = {LIST, GROUPS, RAYS + soft + mixed};
+static csm_result find_programs(rays_state *state, technique_run *run) {
+  const csm_config *config = run->config;
+  const bool view = run->picture->show == CSM_SHOW_RAYS;
+  const uint64_t variant = shader_key_rays(config->filter == CSM_FILTER_EXACT_SOFT,
+                                           config->history == CSM_HISTORY_ON && !view, view);
   csm_result result = CSM_SUCCESS;
   for (uint32_t i = 0; i < steps && !result; ++i) {
+    const rays_key about = {.step = i, .variant = i == RAYS ? variant : 0};
     const program_key key = {
-        .make = make_program, .name = "a program of rays", .about = &kinds[i], .size = sizeof kinds[i]};
-    result = programs_find(device, &key, &state->programs[i]);
+        .make = make_program, .name = "a program of rays", .about = &about, .size = sizeof about};
+    result = programs_find(run->device, &key, &state->programs[i]);
   }
   return result;
 }
@@ -83,9 +105,21 @@ static void list_free(device *device, retired *self) {
   host_release(device->host, list);
 }
 
+static void count_read_free(device *device, retired *self) {
+  count_read *read = (count_read *)self;
+  device_buffer_free(device, read->buffer, list_header);
+  host_release(device->host, read);
+}
+
 static void drop(void *self, device *device) {
   rays_state *state = self;
   pass_timer_drop(&state->timer, device);
+  while (state->reads_back) {
+    count_read *read = state->reads_back;
+    state->reads_back = read->next;
+    retire(device, &read->retired, count_read_free);
+  }
+  state->counts = (ray_counts){0};
   for (uint32_t i = 0; i < steps; ++i)
     inputs_drop(&state->inputs[i], device);
   if (state->now)
@@ -159,8 +193,8 @@ static csm_result reserve_reads(rays_state *state, technique_run *run) {
        .constants = {constants, constants},
        .textures = {picture->depth, picture->depth},
        .buffers = {{.buffer = tree_pool_buffer(run->device), .stride = TREE_POOL_ROW},
-                   {.buffer = ray_instances_buffer(run->cascades), .stride = TREE_POOL_ROW},
-                   list},
+                   {.buffer = ray_instances_buffer(run->cascades), .stride = TREE_POOL_ROW}},
+       .store_buffers = {list},
        .store_images = {picture->mask_stores}}};
   csm_result result = CSM_SUCCESS;
   for (uint32_t i = 0; i < steps && !result; ++i)
@@ -168,16 +202,70 @@ static csm_result reserve_reads(rays_state *state, technique_run *run) {
   return result;
 }
 
+/* What the GPU has counted up to now. */
+static ray_counts counts_of(const rays_state *state, const device *device) {
+  ray_counts counts = state->counts;
+  uint64_t newest = 0, newest_view = 0;
+  for (const count_read *read = state->reads_back; read; read = read->next) {
+    if (!read->serial || read->serial > device->done)
+      continue;
+    const uint32_t *list = gpu_buffer_memory(device->gpu, read->buffer);
+    if (read->serial > newest) {
+      newest = read->serial;
+      counts.pixels = list[RAYS_COUNT];
+      counts.by_map = list[RAYS_BY_MAP];
+    }
+    if (read->view && read->serial > newest_view) {
+      newest_view = read->serial;
+      counts.nodes = list[RAYS_NODES] * (uint64_t)16;
+      counts.triangles = list[RAYS_TRIANGLES] * (uint64_t)16;
+    }
+  }
+  return counts;
+}
+
+/* A read that is done serves again. */
+static csm_result reserve_counting(rays_state *state, device *device) {
+  count_read *read = state->reads_back;
+  state->counts = counts_of(state, device);
+  while (read && read->serial > device->done)
+    read = read->next;
+  state->counting = read;
+  if (read)
+    return CSM_SUCCESS;
+  read = host_allocate(device->host, sizeof *read);
+  if (!read)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  const csm_result result = device_buffer(
+      device, &(gpu_buffer_info){.name = "rays' counts", .kind = GPU_BUFFER_READBACK, .size = list_header},
+      &read->buffer);
+  if (result) {
+    host_release(device->host, read);
+    return result;
+  }
+  read->next = state->reads_back;
+  state->reads_back = state->counting = read;
+  return CSM_SUCCESS;
+}
+
+/* Views of other things send none, nor is there anything to meet where no mesh was ever made. */
+static bool sends(const technique_run *run) {
+  const uint32_t show = run->picture->show;
+  return (show == CSM_SHOW_RAYS || show == CSM_SHOW_VISIBILITY || history_takes(run->config, run->picture)) &&
+         tree_pool_buffer(run->device) && ray_instances_buffer(run->cascades);
+}
+
 static csm_result reserve(void *self, technique_run *run, const ring_range *ring) {
   rays_state *state = self;
-  /* Without a mesh there is nothing that casts, and maps are empty */
-  state->runs = run->picture->show == CSM_SHOW_VISIBILITY && tree_pool_buffer(run->device);
+  state->runs = sends(run);
   state->ring = *ring;
   if (!state->runs)
     return CSM_SUCCESS;
-  csm_result result = find_programs(state, run->device, run->config);
+  csm_result result = find_programs(state, run);
   if (!result)
     result = reserve_list(state, run->device, run->picture);
+  if (!result)
+    result = reserve_counting(state, run->device);
   return result ? result : reserve_reads(state, run);
 }
 
@@ -211,16 +299,23 @@ static void record(void *self, const technique_run *run) {
   dispatch(state, run, 2,
            (gpu_dispatch_info){.arguments = state->now->buffer, .arguments_offset = RAYS_GROUPS * sizeof(uint32_t)});
   gpu_make_readable(gpu, picture->mask, NULL);
+  gpu_copy_buffer(gpu, state->counting->buffer, 0, state->now->buffer, 0, list_header);
   gpu_marker_end(gpu);
   pass_timer_step(&state->timer, run);
+  state->counting->serial = run->device->serial;
+  state->counting->view = picture->show == CSM_SHOW_RAYS;
 }
 
 /* ---- what came of it ---- */
 
 static void tell_view(const void *self, const device *device, csm_view_stats *stats) {
   const rays_state *state = self;
-  (void)device;
+  const ray_counts counts = counts_of(state, device);
   stats->rays_gpu_ms = pass_timer_ms(&state->timer, 0);
+  stats->ray_pixels = counts.pixels;
+  stats->ray_map_pixels = counts.by_map;
+  stats->ray_nodes = counts.nodes;
+  stats->ray_triangles = counts.triangles;
   stats->bytes += state->now ? state->now->size : 0;
 }
 
