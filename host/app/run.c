@@ -206,28 +206,39 @@ static int save_outside(const run *r, const picture_view *view, const stage_fram
   return code;
 }
 
+/* A view that the filter has. */
+static void draw_view(image *picture, const picture_view *view, const stage_frame *frame, uint32_t show) {
+  const float *values = frame->views[show - 1];
+  if (show == CSM_SHOW_CASCADE)
+    picture_cascades(picture, view, frame->mask, values);
+  else if (show == CSM_SHOW_DENSITY)
+    picture_density(picture, view, values);
+  else if (show == CSM_SHOW_PENUMBRA)
+    picture_penumbra(picture, view, values);
+  else
+    picture_rays(picture, view, values);
+}
+
 /* The pictures of one backend; `prefix` keeps two apart. */
 static int save_frame(const run *r, const picture_view *view, const stage_frame *frame, const char *prefix) {
-  static const char *const names[] = {"lit", "mask", "cascades", "density", "maps", "penumbra"};
-  const float *penumbra = frame->views[CSM_SHOW_PENUMBRA - 1];
-  int code = 0;
-  for (int i = 0; i < (penumbra ? 6 : 5) && code == 0; i++) {
-    image picture;
-    if (i == 0)
-      picture_lit(&picture, view, frame->mask);
-    else if (i == 1)
-      picture_mask(&picture, view, frame->mask);
-    else if (i == 2)
-      picture_cascades(&picture, view, frame->mask, frame->views[CSM_SHOW_CASCADE - 1]);
-    else if (i == 3)
-      picture_density(&picture, view, frame->views[CSM_SHOW_DENSITY - 1]);
-    else if (i == 5)
-      picture_penumbra(&picture, view, penumbra);
-    else
-      picture_maps(&picture, (const float *const *)frame->maps, frame->binding.cascade_count,
-                   frame->binding.resolutions, r->setup.config.map_reversed);
-    code = save(&picture, r->options->out, prefix, names[i]);
+  static const char *const views[STAGE_VIEWS] = {"cascades", "density", "penumbra", NULL, "rays"};
+  image picture;
+  picture_lit(&picture, view, frame->mask);
+  int code = save(&picture, r->options->out, prefix, "lit");
+  if (code == 0) {
+    picture_mask(&picture, view, frame->mask);
+    code = save(&picture, r->options->out, prefix, "mask");
   }
+  if (code == 0) {
+    picture_maps(&picture, (const float *const *)frame->maps, frame->binding.cascade_count, frame->binding.resolutions,
+                 r->setup.config.map_reversed);
+    code = save(&picture, r->options->out, prefix, "maps");
+  }
+  for (uint32_t i = 0; i < STAGE_VIEWS && code == 0; i++)
+    if (frame->views[i]) {
+      draw_view(&picture, view, frame, i + 1);
+      code = save(&picture, r->options->out, prefix, views[i]);
+    }
   return code ? code : save_outside(r, view, frame, prefix);
 }
 

@@ -11,6 +11,7 @@
 #include "stage/compare.h"
 #include "stage/dump.h"
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 
 typedef struct measurement {
@@ -103,6 +104,10 @@ static uint64_t moment_bytes(const stage_stats *stats) {
   return stats->maps.moment_bytes;
 }
 
+static uint64_t tree_bytes(const stage_stats *stats) {
+  return stats->maps.tree_bytes;
+}
+
 static uint64_t view_bytes(const stage_stats *stats) {
   return stats->mask.bytes;
 }
@@ -114,6 +119,21 @@ static void print_setup(FILE *to, const measurement *m) {
           setup->config.cascade_count, setup->config.resolution, setup->config.resolution);
   for (uint32_t i = 0; i < m->count; i++)
     fprintf(to, "  %-8s %s; %s\n", m->stages[i].backend, m->stages[i].device, m->stages[i].driver);
+}
+
+static double ray_share(const measurement *m, uint32_t i) {
+  return m->frames[i].stats.mask.ray_pixels / ((double)m->setup.width * m->setup.height);
+}
+
+static void print_rays(FILE *to, const measurement *m) {
+  fprintf(to, "  %-51s", "pixels that sent rays");
+  for (uint32_t i = 0; i < m->count; i++)
+    fprintf(to, " %12.4f %%", 100.0 * ray_share(m, i));
+  fprintf(to, "\n  %-51s", "of them decided by the map");
+  for (uint32_t i = 0; i < m->count; i++)
+    fprintf(to, " %12" PRIu32 "  ", m->frames[i].stats.mask.ray_map_pixels);
+  fputc('\n', to);
+  print_bytes(to, m, "memory of trees", tree_bytes);
 }
 
 static void print_table(FILE *to, const measurement *m) {
@@ -131,6 +151,8 @@ static void print_table(FILE *to, const measurement *m) {
   print_bytes(to, m, "memory of maps", map_bytes);
   print_bytes(to, m, "memory of moments", moment_bytes);
   print_bytes(to, m, "memory of the view", view_bytes);
+  if (m->frames[0].stats.mask.ray_pixels)
+    print_rays(to, m);
   fputc('\n', to);
   if (m->count == 2)
     agreement_print(to, &m->agreement, names[0], names[1]);
@@ -167,6 +189,12 @@ static json_t *backend_to_json(const measurement *m, uint32_t i) {
   json_object_set_new(object, "moments_gpu_ms", json_real(stage_moments_ms(stats)));
   json_object_set_new(object, "mask_gpu_ms", json_real(stage_mask_ms(stats)));
   json_object_set_new(object, "history_gpu_ms", json_real(stage_history_ms(stats)));
+  json_object_set_new(object, "rays_gpu_ms", json_real(fmax(stats->mask.rays_gpu_ms, 0.0)));
+  json_object_set_new(object, "ray_pixels", json_integer(stats->mask.ray_pixels));
+  json_object_set_new(object, "ray_map_pixels", json_integer(stats->mask.ray_map_pixels));
+  json_object_set_new(object, "tree_bytes", json_integer((json_int_t)tree_bytes(stats)));
+  json_object_set_new(object, "mesh_trees_ms", json_real(stats->maps.mesh_trees_ms));
+  json_object_set_new(object, "instance_tree_ms", json_real(stats->maps.instance_tree_ms));
   json_object_set_new(object, "map_bytes", json_integer((json_int_t)map_bytes(stats)));
   json_object_set_new(object, "moment_bytes", json_integer((json_int_t)moment_bytes(stats)));
   json_object_set_new(object, "view_bytes", json_integer((json_int_t)view_bytes(stats)));

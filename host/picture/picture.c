@@ -155,6 +155,14 @@ static void tint_penumbra(float color[3], size_t at, const void *data) {
     color[0] = color[1] = color[2] = 0.5f * grey;
 }
 
+static void tint_rays(float color[3], size_t at, const void *data) {
+  const float *rays = data, grey = luminance(color), doublings = (rays[at] * 255.0f - 1.0f) / 16.0f;
+  if (rays[at] > 0.0f)
+    tint_doublings(color, doublings - 7.0f);
+  else
+    color[0] = color[1] = color[2] = 0.5f * grey;
+}
+
 /* Without shadows, which would be taken for another colour. */
 static void all_lit_with_tint(image *out, const picture_view *view, tint_function tint, const void *data) {
   const size_t pixels = (size_t)view->width * view->height;
@@ -171,6 +179,10 @@ void picture_density(image *out, const picture_view *view, const float *density)
 
 void picture_penumbra(image *out, const picture_view *view, const float *penumbra) {
   all_lit_with_tint(out, view, tint_penumbra, penumbra);
+}
+
+void picture_rays(image *out, const picture_view *view, const float *rays) {
+  all_lit_with_tint(out, view, tint_rays, rays);
 }
 
 void picture_mask(image *out, const picture_view *view, const float *mask) {

@@ -35,6 +35,9 @@ void picture_density(image *out, const picture_view *view, const float *density)
  * 64. The scene in grey where there are none.
  */
 void picture_penumbra(image *out, const picture_view *view, const float *penumbra);
+/* Nodes that rays looked at, as CSM_SHOW_RAYS gives them: white is 128, blue is fewer, down to 16, red is more, up to 1024;
+   grey where no ray was sent. */
+void picture_rays(image *out, const picture_view *view, const float *rays);
 /* Visibility: white lit, black shadowed; the sky is blue. */
 void picture_mask(image *out, const picture_view *view, const float *mask);
 /*

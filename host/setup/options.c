@@ -45,7 +45,7 @@ static const char help[] =
     "  --backend vulkan|d3d12|both both is the default\n"
     "  --device NAME               part of the device's name\n"
     "  --out DIR                   run: where lit, mask, cascades, density, maps, frusta, culled,\n"
-    "                              penumbra (of soft filters) and\n"
+    "                              penumbra (of soft filters), rays (of exact ones) and\n"
     "                              difference.png go; out. Where the backends differ, the\n"
     "                              second one's pictures lie beside them, with its name before each;\n"
     "                              hard: where a picture of each case's worst pixel goes, if it is given\n"

@@ -61,8 +61,8 @@ static void compare_views(agreement *out, const stage_frame *a, const stage_fram
   if (!out->has_views)
     return;
   out->has_penumbra = a->views[CSM_SHOW_PENUMBRA - 1] && b->views[CSM_SHOW_PENUMBRA - 1];
-  for (uint32_t i = 0; i < STAGE_VIEWS && a->views[i] && b->views[i]; i++) {
-    for (size_t at = 0; at < pixels; at++)
+  for (uint32_t i = 0; i < STAGE_VIEWS; i++) {
+    for (size_t at = 0; at < pixels && a->views[i] && b->views[i]; at++)
       out->views[i] += a->views[i][at] != b->views[i][at];
     const double allowed = out->allowed_ulp == 0 ? 0.0 : compare_mask_share * (double)pixels;
     out->views_agree = out->views_agree && (double)out->views[i] <= allowed;

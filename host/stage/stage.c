@@ -286,8 +286,12 @@ int stage_read(stage *s, bool maps, stage_frame *out) {
 
 bool stage_has_view(const stage *s, uint32_t show) {
   const uint32_t filter = s->setup->config.filter;
-  return show != CSM_SHOW_PENUMBRA || filter == CSM_FILTER_PCSS || filter == CSM_FILTER_VSSM ||
-         filter == CSM_FILTER_BACKPROJECTION;
+  if (show == CSM_SHOW_RAYS)
+    return filter == CSM_FILTER_EXACT || filter == CSM_FILTER_EXACT_SOFT;
+  if (show == CSM_SHOW_PENUMBRA)
+    return filter == CSM_FILTER_PCSS || filter == CSM_FILTER_VSSM || filter == CSM_FILTER_BACKPROJECTION ||
+           filter == CSM_FILTER_EXACT_SOFT;
+  return show != CSM_SHOW_HISTORY;
 }
 
 int stage_read_views(stage *s, stage_frame *out) {

@@ -24,7 +24,7 @@ typedef struct stage {
   csm_frame frame; /* of the three above */
 } stage;
 
-enum { STAGE_VIEWS = 3 }; /* CSM_SHOW_CASCADE, CSM_SHOW_DENSITY and CSM_SHOW_PENUMBRA, less 1 */
+enum { STAGE_VIEWS = 5 }; /* CSM_SHOW_CASCADE to CSM_SHOW_RAYS, less 1; that of the history is not drawn */
 
 /* What drawing took, in milliseconds, and how much of it there was. */
 typedef struct stage_stats {
@@ -39,7 +39,7 @@ typedef struct stage_frame {
   float *maps[CSM_MAX_CASCADES]; /* stage_map_texels each, top row first */
   float *mask, *camera_depth;    /* width * height, top row first */
   float *view_depth;             /* likewise, in metres; INFINITY where nothing is */
-  float *views[STAGE_VIEWS];     /* likewise; NULL: not asked for, or, of the penumbra, not found by the filter */
+  float *views[STAGE_VIEWS];     /* likewise; NULL: not asked for, or the filter has none */
   uint8_t *casters;              /* by instance, as csm_get_casters tells; with the views */
 } stage_frame;
 

@@ -22,7 +22,8 @@ static const double scripted_seconds = 0.1;
 static const char help[] =
     "  W A S D   fly; E and Q up and down; shift faster; drag the mouse to look around\n"
     "  B         swap the backend\n"
-    "  V         next view: lit, cascades, density, penumbra (of soft filters), maps, frusta, culled\n"
+    "  V         next view: lit, cascades, density, penumbra (of soft filters), rays (of exact\n"
+    "            ones), maps, frusta, culled\n"
     "  C         the cascades, and back\n"
     "  M         the maps, and back\n"
     "  F         next filter\n"
@@ -37,13 +38,14 @@ typedef enum shown {
   SHOW_CASCADES,
   SHOW_DENSITY,
   SHOW_PENUMBRA,
+  SHOW_RAYS,
   SHOW_MAPS,
   SHOW_FRUSTA,
   SHOW_CULLED,
   SHOW_COUNT
 } shown;
 static const char *const shown_names[SHOW_COUNT] = {"lit",  "cascades", "density", "penumbra",
-                                                    "maps", "frusta",   "culled"};
+                                                    "rays", "maps",     "frusta",  "culled"};
 
 typedef struct view {
   const host_options *options;
@@ -135,6 +137,12 @@ static int make_picture(image *picture, const view *v, const picture_view *seen)
   case SHOW_PENUMBRA: /* another filter, which finds none, may have been chosen since */
     if (v->frame.views[CSM_SHOW_PENUMBRA - 1])
       picture_penumbra(picture, seen, v->frame.views[CSM_SHOW_PENUMBRA - 1]);
+    else
+      picture_lit(picture, seen, v->frame.mask);
+    return 0;
+  case SHOW_RAYS:
+    if (v->frame.views[CSM_SHOW_RAYS - 1])
+      picture_rays(picture, seen, v->frame.views[CSM_SHOW_RAYS - 1]);
     else
       picture_lit(picture, seen, v->frame.mask);
     return 0;
@@ -264,11 +272,19 @@ static void show(view *v, shown what) {
   v->redraw = true;
 }
 
+static bool has(const view *v, shown what) {
+  return what == SHOW_PENUMBRA ? stage_has_view(&v->stage, CSM_SHOW_PENUMBRA)
+         : what == SHOW_RAYS   ? stage_has_view(&v->stage, CSM_SHOW_RAYS)
+                               : true;
+}
+
 /* The next view that the filter has. */
 static void show_next(view *v) {
-  const bool penumbra = stage_has_view(&v->stage, CSM_SHOW_PENUMBRA);
-  const shown next = (v->shown + 1) % SHOW_COUNT;
-  show(v, next == SHOW_PENUMBRA && !penumbra ? next + 1 : next);
+  shown next = v->shown;
+  do
+    next = (next + 1) % SHOW_COUNT;
+  while (!has(v, next));
+  show(v, next);
 }
 
 static int press(view *v, char key) {

@@ -10,6 +10,7 @@
 #include <string.h>
 
 enum { node_size = sizeof(tree_node), record_unit = 1024 * node_size };
+enum { most_changes = 1024 }; /* up to which records are uploaded one by one */
 /* A tree that was fitted to what moved is built anew where a ray has so much more to do. */
 static const double most_cost = 1.5;
 
@@ -47,6 +48,8 @@ typedef struct ray_instances_state {
   tree_source holds; /* what the buffer holds; identity 0: nothing that may be kept */
   /* of the recording on its way */
   bool writes;
+  uint32_t change_count; /* slots whose records are uploaded; 0: all */
+  uint32_t changes[most_changes];
   tree_source source;
   ring_range ring;
 } ray_instances_state;
@@ -222,8 +225,33 @@ static uint64_t bytes_for(uint32_t slots) {
   return records_at(slots) + (uint64_t)(slots ? slots : 1) * RAY_RECORD_SIZE;
 }
 
+/* Whether the buffer holds the same scene, but for a few changes that the journal tells. */
+static bool is_near(const ray_instances_state *state, const technique_run *run) {
+  const plan_scene *scene = run->scene;
+  const tree_source now = source_of(run), *holds = &state->holds;
+  return state->now && holds->identity && now.identity == holds->identity && now.layers == holds->layers &&
+         now.slots == holds->slots && scene->journal_from <= holds->revision &&
+         now.revision - holds->revision <= most_changes;
+}
+
+/* The nodes, and records after them: all, or those of a few changes. */
 static uint64_t size(const void *self, const technique_run *run) {
-  return is_stale(self, run) ? bytes_for(run->scene->slot_count) : 0;
+  const ray_instances_state *state = self;
+  const uint32_t slots = run->scene->slot_count;
+  if (!is_stale(state, run))
+    return 0;
+  return is_near(state, run) ? records_at(slots) + (run->scene->revision - state->holds.revision) * RAY_RECORD_SIZE
+                             : bytes_for(slots);
+}
+
+/* Each slot that changed, once. */
+static void list_changes(ray_instances_state *state, const plan_scene *scene) {
+  state->change_count = 0;
+  for (uint64_t i = state->holds.revision; i < scene->revision; ++i) {
+    const uint32_t slot = scene->journal[i & (scene->journal_size - 1)];
+    if (scene->revisions[slot] == i + 1)
+      state->changes[state->change_count++] = slot;
+  }
 }
 
 static csm_result make_buffer(device *device, uint32_t slots, ray_buffer **out) {
@@ -268,17 +296,27 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
   csm_result result = make_room(&state->tree, run->device->host, slots);
   if (!result && !has_room(state->now, slots))
     result = make_buffer(run->device, slots, &state->fresh);
-  if (!result)
-    update(&state->tree, run->scene, run->light_layers);
+  if (result)
+    return result;
+  state->change_count = 0;
+  if (is_near(state, run) && !state->fresh)
+    list_changes(state, run->scene);
+  update(&state->tree, run->scene, run->light_layers);
   state->update_ms = clock_ms() - begin_ms;
-  return result;
+  return CSM_SUCCESS;
+}
+
+static void write_slot(char *to, const technique_run *run, uint32_t slot) {
+  const plan_scene *scene = run->scene;
+  const plan_instance *instance = &scene->instances[slot];
+  if (casts(instance, run->light_layers))
+    ray_record_write(to, instance, &scene->meshes[instance->mesh], run->device->geometry.meshes[instance->mesh].rays);
 }
 
 /* Nodes, whose leaves name slots, and records. */
 static void write(void *self, const technique_run *run) {
   ray_instances_state *state = self;
   const instance_tree *tree = &state->tree;
-  const plan_scene *scene = run->scene;
   const double begin_ms = clock_ms();
   if (!state->writes)
     return;
@@ -288,27 +326,30 @@ static void write(void *self, const technique_run *run) {
     if (tree_is_leaf(&nodes[i]))
       nodes[i].link = TREE_LEAF | tree->slots[tree->order[tree_first_item(&nodes[i])]];
   }
-  char *records = (char *)state->ring.memory + records_at(scene->slot_count);
-  for (uint32_t i = 0; i < tree->count; ++i) {
-    const uint32_t slot = tree->slots[i], mesh = scene->instances[slot].mesh;
-    ray_record_write(records + (size_t)slot * RAY_RECORD_SIZE, &scene->instances[slot], &scene->meshes[mesh],
-                     run->device->geometry.meshes[mesh].rays);
-  }
+  char *records = (char *)state->ring.memory + records_at(run->scene->slot_count);
+  for (uint32_t i = 0; i < state->change_count; ++i)
+    write_slot(records + (size_t)i * RAY_RECORD_SIZE, run, state->changes[i]);
+  for (uint32_t i = 0; i < tree->count && !state->change_count; ++i)
+    write_slot(records + (size_t)tree->slots[i] * RAY_RECORD_SIZE, run, tree->slots[i]);
   state->update_ms += clock_ms() - begin_ms;
 }
 
 static void record(void *self, const technique_run *run) {
   ray_instances_state *state = self;
   const gpu gpu = run->device->gpu;
-  const uint64_t records = records_at(run->scene->slot_count);
+  const ray_buffer *to = state->now;
+  const ring_range *ring = &state->ring;
+  const uint64_t records = ring->offset + records_at(run->scene->slot_count);
   if (!state->writes)
     return;
-  if (state->tree.node_count) {
-    gpu_copy_buffer(gpu, state->now->buffer, 0, state->ring.buffer, state->ring.offset,
-                    (uint64_t)state->tree.node_count * node_size);
-    gpu_copy_buffer(gpu, state->now->buffer, state->now->records, state->ring.buffer, state->ring.offset + records,
+  if (state->tree.node_count)
+    gpu_copy_buffer(gpu, to->buffer, 0, ring->buffer, ring->offset, (uint64_t)state->tree.node_count * node_size);
+  for (uint32_t i = 0; i < state->change_count; ++i)
+    gpu_copy_buffer(gpu, to->buffer, to->records + (uint64_t)state->changes[i] * RAY_RECORD_SIZE, ring->buffer,
+                    records + (uint64_t)i * RAY_RECORD_SIZE, RAY_RECORD_SIZE);
+  if (state->tree.node_count && !state->change_count)
+    gpu_copy_buffer(gpu, to->buffer, to->records, ring->buffer, records,
                     (uint64_t)run->scene->slot_count * RAY_RECORD_SIZE);
-  }
   state->holds = state->source;
 }
 
