@@ -60,9 +60,9 @@ static bool wanted(const csm_config *config) {
   return plan_has_rays(config);
 }
 
-static csm_result make(void *self, device *device, const csm_config *config) {
+/* Whether the device can do it. */
+static csm_result check(device *device, const csm_config *config) {
   const gpu_format mask = config->history == CSM_HISTORY_ON ? GPU_FORMAT_RG16_UNORM : GPU_FORMAT_R8_UNORM;
-  (void)self;
   if (!device->trees.wanted)
     return host_fail(device->host, CSM_ERROR_INVALID_STATE,
                      "filter: rays need trees, and the context was made without CSM_CREATE_RAYS");
@@ -74,6 +74,45 @@ static csm_result make(void *self, device *device, const csm_config *config) {
                      "filter: the device's shaders cannot write masks, which rays need (Vulkan: "
                      "shaderStorageImageExtendedFormats)");
   return CSM_SUCCESS;
+}
+
+static uint64_t records_at(uint32_t slots) {
+  const uint64_t nodes = slots ? tree_nodes_most(slots) * node_size : node_size;
+  return (nodes + record_unit - 1) / record_unit * record_unit;
+}
+
+static uint64_t bytes_for(uint32_t slots) {
+  return records_at(slots) + (uint64_t)(slots ? slots : 1) * RAY_RECORD_SIZE;
+}
+
+static csm_result make_buffer(device *device, uint32_t slots, ray_buffer **out) {
+  const uint32_t room = slots + slots / 2;
+  const uint64_t most = device->info.can.max_storage_size;
+  ray_buffer *made = host_allocate(device->host, sizeof *made);
+  if (!made)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  made->records = records_at(room);
+  made->size = bytes_for(room);
+  csm_result result = made->size <= most ? CSM_SUCCESS
+                                         : host_fail(device->host, CSM_ERROR_LIMIT_EXCEEDED,
+                                                     "filter: the tree of %u instances takes more than shaders see at once",
+                                                     slots);
+  const gpu_buffer_info info = {
+      .name = "instances' tree", .kind = GPU_BUFFER_DEVICE, .size = made->size, .usage = GPU_BUFFER_READ};
+  if (!result)
+    result = device_buffer(device, &info, &made->buffer);
+  if (result) {
+    host_release(device->host, made);
+    return result;
+  }
+  *out = made;
+  return CSM_SUCCESS;
+}
+
+/* A buffer of the device's, with room for nothing yet. */
+static csm_result make(void *self, device *device, const csm_config *config) {
+  const csm_result result = check(device, config);
+  return result ? result : make_buffer(device, 0, &((ray_instances_state *)self)->fresh);
 }
 
 static void buffer_free(device *device, retired *self) {
@@ -216,15 +255,6 @@ static bool is_stale(const ray_instances_state *state, const technique_run *run)
          now.layers != holds->layers || now.slots != holds->slots;
 }
 
-static uint64_t records_at(uint32_t slots) {
-  const uint64_t nodes = slots ? tree_nodes_most(slots) * node_size : node_size;
-  return (nodes + record_unit - 1) / record_unit * record_unit;
-}
-
-static uint64_t bytes_for(uint32_t slots) {
-  return records_at(slots) + (uint64_t)(slots ? slots : 1) * RAY_RECORD_SIZE;
-}
-
 /* Whether the buffer holds the same scene, but for a few changes that the journal tells. */
 static bool is_near(const ray_instances_state *state, const technique_run *run) {
   const plan_scene *scene = run->scene;
@@ -254,30 +284,6 @@ static void list_changes(ray_instances_state *state, const plan_scene *scene) {
   }
 }
 
-static csm_result make_buffer(device *device, uint32_t slots, ray_buffer **out) {
-  const uint32_t room = slots + slots / 2;
-  const uint64_t most = device->info.can.max_storage_size;
-  ray_buffer *made = host_allocate(device->host, sizeof *made);
-  if (!made)
-    return CSM_ERROR_OUT_OF_MEMORY;
-  made->records = records_at(room);
-  made->size = bytes_for(room);
-  csm_result result = made->size <= most ? CSM_SUCCESS
-                                         : host_fail(device->host, CSM_ERROR_LIMIT_EXCEEDED,
-                                                     "filter: the tree of %u instances takes more than shaders see at once",
-                                                     slots);
-  const gpu_buffer_info info = {
-      .name = "instances' tree", .kind = GPU_BUFFER_DEVICE, .size = made->size, .usage = GPU_BUFFER_READ};
-  if (!result)
-    result = device_buffer(device, &info, &made->buffer);
-  if (result) {
-    host_release(device->host, made);
-    return result;
-  }
-  *out = made;
-  return CSM_SUCCESS;
-}
-
 static bool has_room(const ray_buffer *buffer, uint32_t slots) {
   return buffer && records_at(slots) <= buffer->records &&
          (uint64_t)slots * RAY_RECORD_SIZE <= buffer->size - buffer->records;
@@ -293,14 +299,15 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
     return CSM_SUCCESS;
   state->source = source_of(run);
   state->ring = *ring;
+  state->change_count = 0;
+  if (is_near(state, run) && has_room(state->now, slots))
+    list_changes(state, run->scene);
+  state->holds = (tree_source){0}; /* the tree in host memory becomes another one */
   csm_result result = make_room(&state->tree, run->device->host, slots);
   if (!result && !has_room(state->now, slots))
     result = make_buffer(run->device, slots, &state->fresh);
   if (result)
     return result;
-  state->change_count = 0;
-  if (is_near(state, run) && !state->fresh)
-    list_changes(state, run->scene);
   update(&state->tree, run->scene, run->light_layers);
   state->update_ms = clock_ms() - begin_ms;
   return CSM_SUCCESS;
