@@ -181,7 +181,7 @@ static void fail_each_allocation(attempt attempt, const char *what) {
       fail_msg("%s: allocation %u failed, and the mask is another", what, (unsigned)left);
     free(after);
   }
-  assert_true(failures > 1);
+  assert_true(failures > 0);
   free(before);
   rays_close(&m);
 }
