@@ -13,6 +13,8 @@ enum { node_size = sizeof(tree_node), record_unit = 1024 * node_size };
 enum { most_changes = 1024 }; /* up to which records are uploaded one by one */
 /* A tree that was fitted to what moved is built anew where a ray has so much more to do. */
 static const double most_cost = 1.5;
+/* What lies farther away, in metres or steps of the grid, leaves nothing of a float: shaders multiply such numbers. */
+static const double farthest = 1e18;
 
 /* Nodes, and from a multiple of record_unit on a record for each slot. */
 typedef struct ray_buffer {
@@ -194,7 +196,11 @@ static bool list_casters(instance_tree *tree, const plan_scene *scene, uint32_t 
   return same;
 }
 
-/* A float at or below, or above, a number that a float holds. */
+static double within_reach(double value) {
+  return fmin(fmax(value, -farthest), farthest);
+}
+
+/* A float at or below, or above, a number that is within reach. */
 static float rounded(double value, float towards) {
   const float near = (float)value;
   const bool beyond = towards < 0.0f ? near <= value : near >= value;
@@ -205,8 +211,8 @@ static void write_boxes(instance_tree *tree, const plan_scene *scene) {
   for (uint32_t i = 0; i < tree->count; ++i) {
     const plan_box *box = &scene->boxes[tree->slots[i]];
     for (int axis = 0; axis < 3; ++axis) {
-      tree->boxes[i].low[axis] = rounded(box->low[axis] - tree->anchor[axis], -INFINITY);
-      tree->boxes[i].high[axis] = rounded(box->high[axis] - tree->anchor[axis], INFINITY);
+      tree->boxes[i].low[axis] = rounded(within_reach(box->low[axis] - tree->anchor[axis]), -INFINITY);
+      tree->boxes[i].high[axis] = rounded(within_reach(box->high[axis] - tree->anchor[axis]), INFINITY);
     }
   }
 }
@@ -383,8 +389,8 @@ void ray_instances_write(const technique_set *cascades, const plan_frame *frame,
   rays->scale[3] = (float)tree->node_count;
   for (int axis = 0; axis < 3 && tree->node_count; ++axis) {
     rays->scale[axis] = (float)tree->grid.scale[axis];
-    rays->offset[axis] =
-        (float)((frame->origin[axis] - tree->anchor[axis]) * tree->grid.scale[axis] + tree->grid.offset[axis]);
+    rays->offset[axis] = (float)within_reach((frame->origin[axis] - tree->anchor[axis]) * tree->grid.scale[axis] +
+                                             tree->grid.offset[axis]);
   }
 }
 
