@@ -92,8 +92,8 @@ void device_close(device *device) {
     (void)gpu_wait(device->gpu, slot); /* a lost device is done as well */
   device->done = UINT64_MAX;
   retire_collect(device);
+  alpha_images_destroy(device); /* what of them waits among the uploads goes first */
   geometry_destroy(device);
-  alpha_images_destroy(device);
   tree_pool_destroy(device);
   ring_destroy(device);
   programs_destroy(device);

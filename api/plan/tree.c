@@ -193,15 +193,17 @@ uint32_t tree_build(tree_node *nodes, uint32_t *order, const tree_box *boxes, ui
 
 /* ---- fitting ---- */
 
-/* The grid reaches from 1 to 65534 over the box, and is no finer along an axis than a box that is flat there needs. */
+/* The grid reaches from 1 to 65534 over the box, and is no finer along an axis than a box that is flat there needs, nor than
+   floats are where the box lies: else its numbers would be too large for them. */
 static void make_grid(tree_grid *grid, const tree_box *box) {
   double widest = 0.0;
   for (int axis = 0; axis < 3; ++axis)
     widest = fmax(widest, (double)box->high[axis] - box->low[axis]);
   for (int axis = 0; axis < 3; ++axis) {
-    const double wide = fmax((double)box->high[axis] - box->low[axis], fmax(widest * 0x1p-16, 0x1p-100));
-    grid->scale[axis] = (grid_last - 2.0) / wide;
-    grid->offset[axis] = 1.0 - box->low[axis] * grid->scale[axis];
+    const double low = box->low[axis], high = box->high[axis], reach = fmax(fabs(low), fabs(high));
+    const double least = fmax(fmax(widest * 0x1p-16, reach * 0x1p-24), 0x1p-100);
+    grid->scale[axis] = (grid_last - 2.0) / fmax(high - low, least);
+    grid->offset[axis] = 1.0 - low * grid->scale[axis];
   }
 }
 

@@ -98,8 +98,7 @@ static void write_uvs(mesh_tree *tree, const csm_mesh_info *info) {
   float *to = (float *)((char *)tree->bytes.memory + (size_t)tree->rays.uv_row * TREE_POOL_ROW);
   for (uint32_t i = 0; i < tree->rays.triangle_count; ++i, to += uv_rows * row_floats)
     for (uint32_t k = 0; k < 3; ++k)
-      memcpy(&to[2 * k], (const char *)info->uvs + (size_t)tree->corners[3 * i + k] * info->uv_stride,
-             2 * sizeof *to);
+      memcpy(&to[2 * k], (const char *)info->uvs + (size_t)tree->corners[3 * i + k] * info->uv_stride, 2 * sizeof *to);
 }
 
 /* Fits the nodes to boxes in the order of the leaves. */
@@ -177,18 +176,18 @@ csm_result mesh_tree_make(host *host, const csm_mesh_info *info, const double *o
   return result;
 }
 
-csm_result mesh_tree_refit(mesh_tree *tree, host *host, const csm_mesh_update_info *info, const double *offset) {
+void *mesh_tree_room(const mesh_tree *tree, host *host) {
+  return host_allocate(host, (tree->rays.triangle_count + (size_t)tree->rays.node_count) * sizeof(tree_box));
+}
+
+void mesh_tree_refit(mesh_tree *tree, void *room, const csm_mesh_update_info *info, const double *offset) {
   const uint32_t count = tree->rays.triangle_count;
-  tree_box *boxes = host_allocate(host, (count + (size_t)tree->rays.node_count) * sizeof *boxes);
-  if (!boxes)
-    return CSM_ERROR_OUT_OF_MEMORY;
+  tree_box *boxes = room;
   for (uint32_t i = 0; i < count; ++i) {
     read_triangle(triangles_of(tree)[i], info->positions, info->position_stride, &tree->corners[3 * i], offset);
     boxes[i] = box_of(triangles_of(tree)[i]);
   }
   fit(tree, boxes, boxes + count);
-  host_release(host, boxes);
-  return CSM_SUCCESS;
 }
 
 void mesh_tree_free(mesh_tree *tree, host *host) {

@@ -16,8 +16,10 @@ typedef struct mesh_tree {
 
 /* Of a checked mesh with positions, which are stored less `offset`. Errors: LIMIT_EXCEEDED, OUT_OF_MEMORY. */
 csm_result mesh_tree_make(host *host, const csm_mesh_info *info, const double *offset, mesh_tree **out);
-/* Fits it to other positions. Errors: OUT_OF_MEMORY; it is as it was then. */
-csm_result mesh_tree_refit(mesh_tree *tree, host *host, const csm_mesh_update_info *info, const double *offset);
+/* Memory that fitting it to other positions needs for a while; the caller releases it. NULL: there is none. */
+void *mesh_tree_room(const mesh_tree *tree, host *host);
+/* Fits it to other positions. */
+void mesh_tree_refit(mesh_tree *tree, void *room, const csm_mesh_update_info *info, const double *offset);
 /* NULL is allowed. */
 void mesh_tree_free(mesh_tree *tree, host *host);
 

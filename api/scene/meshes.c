@@ -177,22 +177,29 @@ csm_result mesh_create(assets *assets, const csm_mesh_info *info, csm_mesh *mesh
   return CSM_SUCCESS;
 }
 
-/* Gives a mesh other positions, and its tree, or leaves both. */
-static csm_result move_vertices(const assets *assets, uint32_t index, const csm_mesh_update_info *info,
-                                const double *offset) {
+/* Gives a traced mesh other positions, and its tree, or leaves both. */
+static csm_result move_traced(const assets *assets, uint32_t index, const csm_mesh_update_info *info,
+                              const double *offset) {
   mesh_tree *tree = assets->meshes.trees[index];
   const mesh_traced now = traced_of(tree);
-  void *memory;
-  csm_result result = tree ? geometry_retrace(assets->device, index, &now, &memory) : CSM_SUCCESS;
+  void *memory, *room = mesh_tree_room(tree, assets->host);
+  csm_result result = room ? geometry_retrace(assets->device, index, &now, &memory) : CSM_ERROR_OUT_OF_MEMORY;
   if (!result)
     result = geometry_update(assets->device, index, info, &assets->meshes.infos[index], offset);
-  if (!result && tree)
-    result = mesh_tree_refit(tree, assets->host, info, offset);
-  if (result || !tree)
-    return result;
-  memcpy(memory, tree->bytes.memory, tree->bytes.size);
-  geometry_retraced(assets->device, index, &tree->rays);
-  return CSM_SUCCESS;
+  if (!result) {
+    mesh_tree_refit(tree, room, info, offset);
+    memcpy(memory, tree->bytes.memory, tree->bytes.size);
+    geometry_retraced(assets->device, index, &tree->rays);
+  }
+  host_release(assets->host, room);
+  return result;
+}
+
+static csm_result move_vertices(const assets *assets, uint32_t index, const csm_mesh_update_info *info,
+                                const double *offset) {
+  return assets->meshes.trees[index]
+             ? move_traced(assets, index, info, offset)
+             : geometry_update(assets->device, index, info, &assets->meshes.infos[index], offset);
 }
 
 csm_result mesh_update(assets *assets, csm_mesh mesh, const csm_mesh_update_info *info) {

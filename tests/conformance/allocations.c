@@ -23,6 +23,7 @@ static csm_result make_parts(const csm_create_info *info, frame_parts *out) {
                                   .index_size = 2};
   csm_config config = support_config();
   config.resolution = SIDE;
+  config.filter = CSM_FILTER_EXACT;
   csm_result result = csm_create(info, &out->context);
   if (!result)
     result = csm_mesh_create(out->context, &triangle, &out->mesh);
@@ -42,7 +43,7 @@ static csm_result run_all(record *record) {
   csm_instance_id ids[SUPPORT_INSTANCES];
   float data[SIDE * SIDE];
   csm_create_info info = support_create_info(record);
-  info.flags = 0;
+  info.flags = CSM_CREATE_RAYS;
   csm_result result = make_parts(&info, &parts);
   support_scene_make(&scene, NULL);
   for (int i = 0; i < SUPPORT_INSTANCES; ++i)

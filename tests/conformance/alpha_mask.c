@@ -80,24 +80,9 @@ static shot draw(fixture *f, csm_instance instances[2], bool turned) {
   return shot;
 }
 
-static int wrapped(int index, int size, uint32_t mode) {
-  if (mode == CSM_WRAP_CLAMP)
-    return index < 0 ? 0 : index >= size ? size - 1 : index;
-  const int period = mode == CSM_WRAP_MIRROR ? 2 * size : size;
-  const int inside = ((index % period) + period) % period;
-  return mode == CSM_WRAP_MIRROR && inside >= size ? 2 * size - 1 - inside : inside;
-}
-
 static double alpha_mask_at(const fixture *f, double u, double v, uint32_t wrap_u, uint32_t wrap_v) {
-  const double x = u * texels_u - 0.5, y = v * texels_v - 0.5;
-  double sum = 0;
-  for (int j = 0; j < 2; ++j)
-    for (int i = 0; i < 2; ++i) {
-      const double wx = i ? x - floor(x) : 1 - (x - floor(x)), wy = j ? y - floor(y) : 1 - (y - floor(y));
-      sum += wx * wy *
-             f->texels[wrapped((int)floor(y) + j, texels_v, wrap_v)][wrapped((int)floor(x) + i, texels_u, wrap_u)];
-    }
-  return sum / 255;
+  const support_texture texture = {f->texels[0], texels_u, texels_v, sizeof f->texels[0], wrap_u, wrap_v};
+  return support_alpha(&texture, u, v);
 }
 
 static void check_map(const fixture *f, const float *map, uint32_t wrap_u, uint32_t wrap_v, double cutoff) {

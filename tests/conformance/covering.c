@@ -52,6 +52,9 @@ static const struct {
     {"history_frames", 2, {8, 2}},
     {"history_depth", 2, {0.02, 0}},
     {"history_normal_deg", 2, {20, 0}},
+    {"ray_taps", 2, {16, 3}},
+    {"ray_unsure_cosine", 3, {0.1, 1, 0}},
+    {"ray_grazing_cosine", 2, {0, 0.4}},
 };
 
 static void add_level(covering_option *option, double value) {

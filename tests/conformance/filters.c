@@ -107,16 +107,6 @@ static bool within(const fixture *f, const csm_config *config, uint32_t pixel) {
   return f->depth[pixel] > 0 && depth < 0.99 * config->shadow_distance;
 }
 
-/* The world position that the camera sees at a pixel. */
-static void position_at(const fixture *f, uint32_t x, uint32_t y, double out[3]) {
-  const double *p = f->shot.camera.projection, *v = f->shot.camera.view;
-  const double z = -p[14] / (p[10] + (double)f->depth[y * width + x]);
-  const double ndc[2] = {(x + 0.5) / width * 2 - 1, 1 - (y + 0.5) / height * 2};
-  const double local[3] = {ndc[0] * -z / p[0], ndc[1] * -z / p[5], z};
-  for (int i = 0; i < 3; ++i)
-    out[i] = v[i * 4] * (local[0] - v[12]) + v[i * 4 + 1] * (local[1] - v[13]) + v[i * 4 + 2] * (local[2] - v[14]);
-}
-
 /* Of n x n bilinear comparisons the weighted mean, by the naive loop; `reference` is the depth that is compared. */
 static double naive(const fixture *f, const kernel *k, const double at[3]) {
   const double px = at[0] * resolution - 0.5, py = at[1] * resolution - 0.5;
@@ -151,7 +141,7 @@ static void compare_with_naive(fixture *f, const csm_config *config) {
       double position[3], at[3];
       if (!within(f, config, y * width + x))
         continue;
-      position_at(f, x, y, position);
+      support_seen(&f->shot.camera, f->depth[y * width + x], (x + 0.5) / width, (y + 0.5) / height, position);
       support_apply(f->binding.cascades[0].world_to_shadow, position, at);
       at[2] -= 0.5 / f->binding.cascades[0].depth_range;
       const double expected = naive(f, &k, at), drawn = f->mask[y * width + x];

@@ -30,7 +30,7 @@ static csm_config small_config(void) {
 
 static void setup_with(fixture *f, const csm_config *config) {
   memset(f, 0, sizeof *f);
-  f->context = support_open(&f->record);
+  f->context = support_open_with(&f->record, CSM_CREATE_RAYS);
   telling_make(&f->telling, f->context);
   f->view = support_view(f->context);
   assert_int_equal(csm_cascades_create(f->context, config, &f->of_scene), CSM_SUCCESS);
@@ -95,13 +95,14 @@ static void expect_model(fixture *f, const char *what) {
 /* Plans are equal as well, where instances were added in the list's order. */
 static void a_scene_equals_the_same_list(void **state) {
   (void)state;
-  csm_config configs[5];
-  for (int i = 0; i < 5; ++i)
+  csm_config configs[6];
+  for (int i = 0; i < 6; ++i)
     configs[i] = small_config();
   configs[1].caster_set = CSM_CASTER_SET_VIEW;
   configs[2].depth_mode = CSM_DEPTH_SCENE_CLIPPED;
   configs[3].map_layout = CSM_LAYOUT_ATLAS;
   configs[4].fit_mode = CSM_FIT_SCENE;
+  configs[5].filter = CSM_FILTER_EXACT;
   for (size_t i = 0; i < sizeof configs / sizeof configs[0]; ++i) {
     fixture f;
     setup_with(&f, &configs[i]);
@@ -234,6 +235,7 @@ static void changes_of_every_kind_come_at_random(void **state) {
   csm_config config = small_config();
   config.resolution = 64;
   config.depth_mode = CSM_DEPTH_SCENE_CLIPPED;
+  config.filter = CSM_FILTER_EXACT;
   fixture f;
   uint64_t numbers = 7;
   setup_with(&f, &config);

@@ -8,7 +8,7 @@ void side_open(side *side, const char *backend) {
   memset(side, 0, sizeof *side);
   support_create_info(&side->record);
   side->record.backend = backend;
-  side->context = support_open(&side->record);
+  side->context = support_open_with(&side->record, CSM_CREATE_RAYS);
   side->view = support_view(side->context);
   side->meshes[0] = support_square(side->context);
   side->meshes[1] = support_box(side->context, 2);

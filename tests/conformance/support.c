@@ -51,8 +51,13 @@ csm_create_info support_create_info(record *record) {
 }
 
 csm_context *support_open(record *record) {
+  return support_open_with(record, 0);
+}
+
+csm_context *support_open_with(record *record, uint32_t flags) {
   char text[512] = "";
   csm_create_info info = support_create_info(record);
+  info.flags |= flags;
   info.error = text;
   info.error_size = sizeof text;
   csm_context *context;
@@ -168,6 +173,15 @@ double support_apply(const double m[16], const double p[3], double out[3]) {
   return w;
 }
 
+void support_seen(const csm_camera *camera, float depth, double u, double v, double out[3]) {
+  const double *p = camera->projection, *view = camera->view;
+  const double z = -p[14] / (p[10] + (double)depth), x = u * 2 - 1, y = 1 - v * 2;
+  const double local[3] = {x * -z / p[0], y * -z / p[5], z};
+  for (int i = 0; i < 3; ++i)
+    out[i] = view[i * 4] * (local[0] - view[12]) + view[i * 4 + 1] * (local[1] - view[13]) +
+             view[i * 4 + 2] * (local[2] - view[14]);
+}
+
 /* ---- shots ---- */
 
 shot shot_make(const csm_instance *instances, uint32_t count) {
@@ -247,6 +261,27 @@ double support_trace(double corners[][3][3], uint32_t count, const double origin
     nearest = t;
   }
   return nearest;
+}
+
+static int wrapped(int index, int size, uint32_t mode) {
+  if (mode == CSM_WRAP_CLAMP)
+    return index < 0 ? 0 : index >= size ? size - 1 : index;
+  const int period = mode == CSM_WRAP_MIRROR ? 2 * size : size;
+  const int inside = ((index % period) + period) % period;
+  return mode == CSM_WRAP_MIRROR && inside >= size ? 2 * size - 1 - inside : inside;
+}
+
+double support_alpha(const support_texture *t, double u, double v) {
+  const double x = u * t->width - 0.5, y = v * t->height - 0.5;
+  double sum = 0;
+  for (int j = 0; j < 2; ++j)
+    for (int i = 0; i < 2; ++i) {
+      const double wx = i ? x - floor(x) : 1 - (x - floor(x)), wy = j ? y - floor(y) : 1 - (y - floor(y));
+      sum += wx * wy *
+             t->texels[wrapped((int)floor(y) + j, t->height, t->wrap_v) * t->stride +
+                       wrapped((int)floor(x) + i, t->width, t->wrap_u)];
+    }
+  return sum / 255;
 }
 
 csm_config support_config(void) {

@@ -26,6 +26,8 @@ typedef struct record {
 
 csm_create_info support_create_info(record *record);
 csm_context *support_open(record *record);
+/* Likewise, with more CSM_CREATE_*. */
+csm_context *support_open_with(record *record, uint32_t flags);
 /* Destroys the context, and asserts that it said nothing unexpected and gave every allocation back. */
 void support_close(csm_context *context, record *record);
 
@@ -38,6 +40,9 @@ csm_instance support_instance(csm_mesh mesh, double x, double y, double z, doubl
 /* Right-handed view from `eye` to `target`; reversed-Z perspective with an infinite far plane if far is 0. */
 void support_look_at(double view[16], const double eye[3], const double target[3]);
 void support_perspective(double projection[16], double fov_y_degrees, double aspect, double near, double far);
+
+/* The world position of what a perspective camera of ours sees at a place of its picture, from 0 to 1 right and down. */
+void support_seen(const csm_camera *camera, float depth, double u, double v, double out[3]);
 
 /* A frame with the camera and the light that it points to. */
 typedef struct shot {
@@ -66,6 +71,14 @@ void support_triangles(const support_scene *scene, double corners[SUPPORT_TRIANG
    how near to an edge of its triangle that hit is, in barycentric units. */
 double support_trace(double corners[][3][3], uint32_t count, const double origin[3], const double direction[3],
                      double *edge);
+
+/* The alpha that a mask has at a place, in doubles: bilinear, 0 to 1. */
+typedef struct support_texture {
+  const uint8_t *texels;
+  int width, height, stride;
+  uint32_t wrap_u, wrap_v; /* CSM_WRAP_* */
+} support_texture;
+double support_alpha(const support_texture *texture, double u, double v);
 
 /* The default configuration with fewer and smaller maps, for speed. */
 csm_config support_config(void);

@@ -252,7 +252,7 @@ static float *keeper_draw(keeper *k, uint32_t show) {
 static void compare_with_fresh(keeper *k, const csm_config *config, const char *backend, int step) {
   record record = {.backend = backend, .allocations_left = -1};
   keeper fresh;
-  keeper_open(&fresh, support_open(&record), config);
+  keeper_open(&fresh, support_open_with(&record, CSM_CREATE_RAYS), config);
   for (int i = 0; i <= step; ++i)
     keeper_step(&fresh, i);
   for (int frame = 0; frame < 3; ++frame) {
@@ -269,12 +269,12 @@ static void compare_with_fresh(keeper *k, const csm_config *config, const char *
 
 static void nothing_is_kept_from_another_device(void **state) {
   (void)state;
-  static const uint32_t filters[] = {CSM_FILTER_VSM, CSM_FILTER_EVSM4, CSM_FILTER_VSSM};
+  static const uint32_t filters[] = {CSM_FILTER_VSM, CSM_FILTER_EVSM4, CSM_FILTER_VSSM, CSM_FILTER_EXACT_SOFT};
   for (size_t i = 0; i < sizeof filters / sizeof *filters; ++i) {
     fixture f = {0};
     keeper k;
     csm_create_info info = support_create_info(&f.record);
-    info.flags |= CSM_CREATE_KEEP_GEOMETRY;
+    info.flags |= CSM_CREATE_KEEP_GEOMETRY | CSM_CREATE_RAYS;
     assert_int_equal(csm_create(&info, &f.context), CSM_SUCCESS);
     const csm_config config = kept_config(filters[i]);
     keeper_open(&k, f.context, &config);

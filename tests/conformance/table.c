@@ -49,7 +49,7 @@ static void open_drawer(drawer *d, const char *backend) {
 
 static bool is_soft(const csm_config *config) {
   return config->filter == CSM_FILTER_PCSS || config->filter == CSM_FILTER_VSSM ||
-         config->filter == CSM_FILTER_BACKPROJECTION;
+         config->filter == CSM_FILTER_BACKPROJECTION || config->filter == CSM_FILTER_EXACT_SOFT;
 }
 
 /* The picture of the last step's penumbrae, once its mask has been read. */
@@ -156,7 +156,7 @@ static void every_pair_agrees(void **state) {
   (void)state;
   judge judge = {.record = {.backend = "null", .quiet = true, .allocations_left = -1}};
   const double begin = seconds();
-  judge.context = support_open(&judge.record);
+  judge.context = support_open_with(&judge.record, CSM_CREATE_RAYS);
   table.takes = csm_takes;
   table.user = &judge;
   covering_options(&table);

@@ -67,7 +67,7 @@ static void draw_trapped(fixture *f, const csm_config *config, uint32_t camera) 
 static void an_ordinary_frame_raises_no_exceptions(void **state) {
   (void)state;
   fixture f = {0};
-  f.context = support_open(&f.record);
+  f.context = support_open_with(&f.record, CSM_CREATE_RAYS);
   f.view = support_view(f.context);
   telling_make(&f.telling, f.context);
   csm_preset_info preset = {.struct_size = sizeof preset};

@@ -69,10 +69,11 @@ typedef struct fixture {
 static void setup(fixture *f, uint32_t flags) {
   memset(f, 0, sizeof *f);
   csm_create_info info = support_create_info(&f->record);
-  info.flags |= flags;
+  info.flags |= flags | CSM_CREATE_RAYS;
   assert_int_equal(csm_create(&info, &f->context), CSM_SUCCESS);
   csm_config config = support_config();
   config.resolution = 128;
+  config.filter = CSM_FILTER_EXACT; /* trees are updated, too */
   f->view = support_view(f->context);
   support_scene_make(&f->scene, f->context);
   cloth_at(&f->cloth, 0, 0);

@@ -57,6 +57,8 @@ static csm_config roll_config(world *w) {
     const csm_config_field field = any_field(w);
     roll_field(w, &config, &field);
   }
+  if (dice_one_in(&w->dice, 6))
+    config.filter = CSM_FILTER_EXACT + dice_below(&w->dice, 2);
   config.resolution = 16 << dice_below(&w->dice, 3);
   for (uint32_t i = 0; i < CSM_MAX_CASCADES; ++i)
     config.resolutions[i] = dice_one_in(&w->dice, 8) ? 16 + dice_below(&w->dice, WORLD_SIDE - 16 + 1) : 0;

@@ -7,8 +7,8 @@
 #include <string.h>
 
 uint32_t input_seeds(input_seed out[INPUT_SEEDS]) {
-  enum { PRESETS = 3, COUNT = 5 };
-  static const char *const presets[COUNT] = {"low", "godot", "survey12", "medium", "medium"};
+  enum { PRESETS = 4, COUNT = 6 };
+  static const char *const presets[COUNT] = {"low", "godot", "survey12", "exact_soft", "medium", "medium"};
   static char *texts[COUNT];
   for (int i = 0; i < COUNT; i++) {
     csm_config config = {.struct_size = sizeof config};
@@ -30,7 +30,8 @@ uint32_t input_seeds(input_seed out[INPUT_SEEDS]) {
 
 /* What is checked here, csm takes: but for what a device cannot do. */
 static void configure(const csm_config *config) {
-  const csm_create_info info = {.struct_size = sizeof info, .version = CSM_VERSION, .backend = "null"};
+  const csm_create_info info = {
+      .struct_size = sizeof info, .flags = CSM_CREATE_RAYS, .version = CSM_VERSION, .backend = "null"};
   static csm_context *context;
   csm_cascades *cascades;
   if (!context && csm_create(&info, &context))

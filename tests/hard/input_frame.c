@@ -27,9 +27,10 @@ static void good_camera(csm_camera *camera, double x) {
 }
 
 uint32_t input_seeds(input_seed out[INPUT_SEEDS]) {
-  static frame_bytes seeds[4];
-  static const char *const presets[] = {"default", "low", "ultra", "ms11"};
-  for (int i = 0; i < 4; i++) {
+  enum { COUNT = 6 };
+  static frame_bytes seeds[COUNT];
+  static const char *const presets[COUNT] = {"default", "low", "ultra", "ms11", "exact", "exact_soft"};
+  for (int i = 0; i < COUNT; i++) {
     frame_bytes *seed = &seeds[i];
     *seed = (frame_bytes){.light = {.struct_size = sizeof seed->light, .direction = {0.3, -1, 0.2}},
                           .origin = {1, 2, 3},
@@ -47,7 +48,7 @@ uint32_t input_seeds(input_seed out[INPUT_SEEDS]) {
     }
     out[i] = (input_seed){seed, sizeof *seed};
   }
-  return 4;
+  return COUNT;
 }
 
 static csm_mesh make_mesh(csm_context *context) {
@@ -113,8 +114,11 @@ static void draw(csm_context *context, frame_bytes *in) {
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   static csm_context *context;
   static csm_mesh mesh;
-  const csm_create_info info = {
-      .struct_size = sizeof info, .version = CSM_VERSION, .backend = "null", .memory_limit = 64 << 20};
+  const csm_create_info info = {.struct_size = sizeof info,
+                                .flags = CSM_CREATE_RAYS,
+                                .version = CSM_VERSION,
+                                .backend = "null",
+                                .memory_limit = 64 << 20};
   frame_bytes in;
   if (!context) {
     if (csm_create(&info, &context))

@@ -84,9 +84,9 @@ static void fill_numbers(numbers *out) {
   out->config.resolution = 32;
 }
 
-static void open_fixture(fixture *f) {
+static void open_fixture(fixture *f, uint32_t filter) {
   memset(f, 0, sizeof *f);
-  f->context = support_open(&f->record);
+  f->context = support_open_with(&f->record, CSM_CREATE_RAYS);
   f->record.quiet = true;
   f->view = support_view(f->context);
   f->box = support_box(f->context, 2);
@@ -94,6 +94,7 @@ static void open_fixture(fixture *f) {
   const csm_alpha_mask_info mask = {.struct_size = sizeof mask, .width = 2, .height = 2, .texels = texels};
   assert_int_equal(csm_alpha_mask_create(f->context, &mask, &f->alpha_mask), CSM_SUCCESS);
   fill_numbers(&f->good);
+  f->good.config.filter = filter;
   list_places(f);
 }
 
@@ -222,10 +223,9 @@ static bool is_named(csm_result result) {
 }
 
 /* Whoever hands over something that is no number is told so, whatever else may be wrong with it. */
-static void each_number_may_be_anything(void **state) {
-  (void)state;
+static void spoil_each_number(uint32_t filter) {
   fixture f;
-  open_fixture(&f);
+  open_fixture(&f, filter);
   assert_int_equal(use(&f, &f.good), CSM_SUCCESS);
   for (uint32_t i = 0; i < f.place_count; ++i)
     for (uint32_t k = 0; k < SPECIALS + 1; ++k) {
@@ -241,12 +241,17 @@ static void each_number_may_be_anything(void **state) {
   support_close(f.context, &f.record);
 }
 
-/* Two and more at once: infinities that meet, scales that cancel. */
-static void many_numbers_may_be_anything(void **state) {
+static void each_number_may_be_anything(void **state) {
   (void)state;
+  spoil_each_number(CSM_FILTER_PCF_3X3);
+  spoil_each_number(CSM_FILTER_EXACT);
+}
+
+/* Two and more at once: infinities that meet, scales that cancel. */
+static void spoil_many_numbers(uint32_t filter) {
   enum { TRIES = 5000 };
   fixture f;
-  open_fixture(&f);
+  open_fixture(&f, filter);
   uint64_t random = 1;
   uint32_t drawn = 0;
   for (uint32_t i = 0; i < TRIES; ++i) {
@@ -265,6 +270,12 @@ static void many_numbers_may_be_anything(void **state) {
   support_close(f.context, &f.record);
 }
 
+static void many_numbers_may_be_anything(void **state) {
+  (void)state;
+  spoil_many_numbers(CSM_FILTER_PCF_3X3);
+  spoil_many_numbers(CSM_FILTER_EXACT);
+}
+
 static void set_field(csm_config *config, const csm_config_field *field, double value) {
   char *at = (char *)config + field->offset;
   for (uint32_t i = 0; i < field->length; ++i)
@@ -278,7 +289,7 @@ static void set_field(csm_config *config, const csm_config_field *field, double 
 static void each_pair_of_settings_may_be_at_its_ends(void **state) {
   (void)state;
   fixture f;
-  open_fixture(&f);
+  open_fixture(&f, CSM_FILTER_PCF_3X3);
   csm_config_field a = {.struct_size = sizeof a}, b = {.struct_size = sizeof b};
   uint32_t drawn = 0, refused = 0;
   for (uint32_t i = 0; csm_config_describe(i, &a) == CSM_SUCCESS; ++i)

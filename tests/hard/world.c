@@ -31,13 +31,14 @@ static void stranger_open(world_stranger *s) {
 csm_create_info world_create_info(world *w) {
   csm_create_info info = support_create_info(&w->record);
   info.backend = w->backend;
-  info.flags |= CSM_CREATE_KEEP_GEOMETRY;
+  info.flags |= CSM_CREATE_KEEP_GEOMETRY | (w->rays ? CSM_CREATE_RAYS : 0);
   info.memory_limit = 64 << 20; /* above what small things take, and below what large ones ask for */
   return info;
 }
 
 void world_open(world *w, const char *backend, uint64_t seed, lent *lent) {
   *w = (world){.backend = backend, .dice = {.state = seed}, .answers = 1, .pictures = 1, .lent = lent, .own = !lent};
+  w->rays = !dice_one_in(&w->dice, 4);
   w->record = (record){.backend = backend, .quiet = true, .allocations_left = -1};
   stranger_open(&w->stranger);
   csm_create_info info = world_create_info(w);

@@ -60,6 +60,7 @@ typedef struct world_stranger {
 
 typedef struct world {
   const char *backend; /* that it began with */
+  bool rays;           /* meshes get trees */
   bool samples;        /* a configuration reads what views saw, which a backend that draws nothing does not know */
   dice dice;
   uint64_t answers;  /* what was answered so far, as any backend answers */

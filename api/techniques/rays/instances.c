@@ -13,6 +13,8 @@ enum { node_size = sizeof(tree_node), record_unit = 1024 * node_size };
 enum { most_changes = 1024 }; /* up to which records are uploaded one by one */
 /* A tree that was fitted to what moved is built anew where a ray has so much more to do. */
 static const double most_cost = 1.5;
+/* What lies farther away, in metres or steps of the grid, leaves nothing of a float: shaders multiply such numbers. */
+static const double farthest = 1e18;
 
 /* Nodes, and from a multiple of record_unit on a record for each slot. */
 typedef struct ray_buffer {
@@ -60,9 +62,9 @@ static bool wanted(const csm_config *config) {
   return plan_has_rays(config);
 }
 
-static csm_result make(void *self, device *device, const csm_config *config) {
+/* Whether the device can do it. */
+static csm_result check(device *device, const csm_config *config) {
   const gpu_format mask = config->history == CSM_HISTORY_ON ? GPU_FORMAT_RG16_UNORM : GPU_FORMAT_R8_UNORM;
-  (void)self;
   if (!device->trees.wanted)
     return host_fail(device->host, CSM_ERROR_INVALID_STATE,
                      "filter: rays need trees, and the context was made without CSM_CREATE_RAYS");
@@ -74,6 +76,45 @@ static csm_result make(void *self, device *device, const csm_config *config) {
                      "filter: the device's shaders cannot write masks, which rays need (Vulkan: "
                      "shaderStorageImageExtendedFormats)");
   return CSM_SUCCESS;
+}
+
+static uint64_t records_at(uint32_t slots) {
+  const uint64_t nodes = slots ? tree_nodes_most(slots) * node_size : node_size;
+  return (nodes + record_unit - 1) / record_unit * record_unit;
+}
+
+static uint64_t bytes_for(uint32_t slots) {
+  return records_at(slots) + (uint64_t)(slots ? slots : 1) * RAY_RECORD_SIZE;
+}
+
+static csm_result make_buffer(device *device, uint32_t slots, ray_buffer **out) {
+  const uint32_t room = slots + slots / 2;
+  const uint64_t most = device->info.can.max_storage_size;
+  ray_buffer *made = host_allocate(device->host, sizeof *made);
+  if (!made)
+    return CSM_ERROR_OUT_OF_MEMORY;
+  made->records = records_at(room);
+  made->size = bytes_for(room);
+  csm_result result = made->size <= most ? CSM_SUCCESS
+                                         : host_fail(device->host, CSM_ERROR_LIMIT_EXCEEDED,
+                                                     "filter: the tree of %u instances takes more than shaders see at once",
+                                                     slots);
+  const gpu_buffer_info info = {
+      .name = "instances' tree", .kind = GPU_BUFFER_DEVICE, .size = made->size, .usage = GPU_BUFFER_READ};
+  if (!result)
+    result = device_buffer(device, &info, &made->buffer);
+  if (result) {
+    host_release(device->host, made);
+    return result;
+  }
+  *out = made;
+  return CSM_SUCCESS;
+}
+
+/* A buffer of the device's, with room for nothing yet. */
+static csm_result make(void *self, device *device, const csm_config *config) {
+  const csm_result result = check(device, config);
+  return result ? result : make_buffer(device, 0, &((ray_instances_state *)self)->fresh);
 }
 
 static void buffer_free(device *device, retired *self) {
@@ -155,7 +196,11 @@ static bool list_casters(instance_tree *tree, const plan_scene *scene, uint32_t 
   return same;
 }
 
-/* A float at or below, or above, a number that a float holds. */
+static double within_reach(double value) {
+  return fmin(fmax(value, -farthest), farthest);
+}
+
+/* A float at or below, or above, a number that is within reach. */
 static float rounded(double value, float towards) {
   const float near = (float)value;
   const bool beyond = towards < 0.0f ? near <= value : near >= value;
@@ -166,8 +211,8 @@ static void write_boxes(instance_tree *tree, const plan_scene *scene) {
   for (uint32_t i = 0; i < tree->count; ++i) {
     const plan_box *box = &scene->boxes[tree->slots[i]];
     for (int axis = 0; axis < 3; ++axis) {
-      tree->boxes[i].low[axis] = rounded(box->low[axis] - tree->anchor[axis], -INFINITY);
-      tree->boxes[i].high[axis] = rounded(box->high[axis] - tree->anchor[axis], INFINITY);
+      tree->boxes[i].low[axis] = rounded(within_reach(box->low[axis] - tree->anchor[axis]), -INFINITY);
+      tree->boxes[i].high[axis] = rounded(within_reach(box->high[axis] - tree->anchor[axis]), INFINITY);
     }
   }
 }
@@ -216,15 +261,6 @@ static bool is_stale(const ray_instances_state *state, const technique_run *run)
          now.layers != holds->layers || now.slots != holds->slots;
 }
 
-static uint64_t records_at(uint32_t slots) {
-  const uint64_t nodes = slots ? tree_nodes_most(slots) * node_size : node_size;
-  return (nodes + record_unit - 1) / record_unit * record_unit;
-}
-
-static uint64_t bytes_for(uint32_t slots) {
-  return records_at(slots) + (uint64_t)(slots ? slots : 1) * RAY_RECORD_SIZE;
-}
-
 /* Whether the buffer holds the same scene, but for a few changes that the journal tells. */
 static bool is_near(const ray_instances_state *state, const technique_run *run) {
   const plan_scene *scene = run->scene;
@@ -254,30 +290,6 @@ static void list_changes(ray_instances_state *state, const plan_scene *scene) {
   }
 }
 
-static csm_result make_buffer(device *device, uint32_t slots, ray_buffer **out) {
-  const uint32_t room = slots + slots / 2;
-  const uint64_t most = device->info.can.max_storage_size;
-  ray_buffer *made = host_allocate(device->host, sizeof *made);
-  if (!made)
-    return CSM_ERROR_OUT_OF_MEMORY;
-  made->records = records_at(room);
-  made->size = bytes_for(room);
-  csm_result result = made->size <= most ? CSM_SUCCESS
-                                         : host_fail(device->host, CSM_ERROR_LIMIT_EXCEEDED,
-                                                     "filter: the tree of %u instances takes more than shaders see at once",
-                                                     slots);
-  const gpu_buffer_info info = {
-      .name = "instances' tree", .kind = GPU_BUFFER_DEVICE, .size = made->size, .usage = GPU_BUFFER_READ};
-  if (!result)
-    result = device_buffer(device, &info, &made->buffer);
-  if (result) {
-    host_release(device->host, made);
-    return result;
-  }
-  *out = made;
-  return CSM_SUCCESS;
-}
-
 static bool has_room(const ray_buffer *buffer, uint32_t slots) {
   return buffer && records_at(slots) <= buffer->records &&
          (uint64_t)slots * RAY_RECORD_SIZE <= buffer->size - buffer->records;
@@ -293,14 +305,15 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
     return CSM_SUCCESS;
   state->source = source_of(run);
   state->ring = *ring;
+  state->change_count = 0;
+  if (is_near(state, run) && has_room(state->now, slots))
+    list_changes(state, run->scene);
+  state->holds = (tree_source){0}; /* the tree in host memory becomes another one */
   csm_result result = make_room(&state->tree, run->device->host, slots);
   if (!result && !has_room(state->now, slots))
     result = make_buffer(run->device, slots, &state->fresh);
   if (result)
     return result;
-  state->change_count = 0;
-  if (is_near(state, run) && !state->fresh)
-    list_changes(state, run->scene);
   update(&state->tree, run->scene, run->light_layers);
   state->update_ms = clock_ms() - begin_ms;
   return CSM_SUCCESS;
@@ -376,8 +389,8 @@ void ray_instances_write(const technique_set *cascades, const plan_frame *frame,
   rays->scale[3] = (float)tree->node_count;
   for (int axis = 0; axis < 3 && tree->node_count; ++axis) {
     rays->scale[axis] = (float)tree->grid.scale[axis];
-    rays->offset[axis] =
-        (float)((frame->origin[axis] - tree->anchor[axis]) * tree->grid.scale[axis] + tree->grid.offset[axis]);
+    rays->offset[axis] = (float)within_reach((frame->origin[axis] - tree->anchor[axis]) * tree->grid.scale[axis] +
+                                             tree->grid.offset[axis]);
   }
 }
 

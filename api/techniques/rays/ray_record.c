@@ -7,6 +7,8 @@
 static const double place_share = 3e-7;
 /* A transform that stretches one way so many times more than another leaves nothing of a float. */
 static const double most_stretch = 1e5;
+/* And one that makes anything larger, or smaller, than this leaves room for squares in floats. */
+static const double most_size = 1e15;
 
 typedef struct record {
   float rows[3][4]; /* world to mesh, and where the mesh's origin stands */
@@ -38,21 +40,32 @@ static bool invert(double out[9], const double t[12]) {
       out[row * 3 + column] = inverse[column * 4 + row];
   if (!plan_finite(out, 9))
     return false;
+  for (int i = 0; i < 9; ++i)
+    if (fabs(out[i]) > most_size)
+      return false;
   for (int i = 0; i < 3; ++i) {
     const double long_side = length(&t[i], 4), thin = length(&out[i * 3], 1);
     longest = fmax(longest, long_side);
     shortest = thin > 0.0 ? fmin(shortest, 1.0 / thin) : shortest;
   }
-  return longest < most_stretch * shortest && longest < 1e15 && shortest > 1e-15;
+  return longest < most_stretch * shortest && longest < most_size && shortest * most_size > 1.0;
 }
 
-/* Where the mesh's stored origin stands in the world: positions are stored less an offset. */
-static void write_place(record *to, const plan_instance *instance, const plan_bounds *bounds) {
+/* Where the mesh's stored origin stands in the world: positions are stored less an offset. False: farther than floats go. */
+static bool find_place(double out[3], const plan_instance *instance, const plan_bounds *bounds) {
+  bool near = true;
   for (int row = 0; row < 3; ++row) {
     const double *t = &instance->transform[row * 4];
-    const double at = t[0] * bounds->offset[0] + t[1] * bounds->offset[1] + t[2] * bounds->offset[2] + t[3];
-    to->rows[row][3] = (float)at;
-    to->low[row] = (float)(at - to->rows[row][3]);
+    out[row] = t[0] * bounds->offset[0] + t[1] * bounds->offset[1] + t[2] * bounds->offset[2] + t[3];
+    near = near && fabs(out[row]) <= PLAN_LARGEST;
+  }
+  return near;
+}
+
+static void write_place(record *to, const double place[3]) {
+  for (int row = 0; row < 3; ++row) {
+    to->rows[row][3] = (float)place[row];
+    to->low[row] = (float)(place[row] - to->rows[row][3]);
   }
 }
 
@@ -74,15 +87,15 @@ static void write_tree(record *to, const mesh_rays *rays) {
 
 void ray_record_write(void *out, const plan_instance *instance, const plan_bounds *bounds, const mesh_rays *rays) {
   record to = {.rows = {{1.0f}, {0.0f, 1.0f}, {0.0f, 0.0f, 1.0f}}, .tree = {0, 0, 0, MESH_RAYS_NONE}};
-  double inverse[9], widest = 0.0;
-  if (rays && invert(inverse, instance->transform)) {
+  double inverse[9], place[3], widest = 0.0;
+  if (rays && invert(inverse, instance->transform) && find_place(place, instance, bounds)) {
     for (int row = 0; row < 3; ++row) {
       for (int column = 0; column < 3; ++column)
         to.rows[row][column] = (float)inverse[row * 3 + column];
       widest = fmax(widest, length(&inverse[row * 3], 1));
     }
     to.low[3] = (float)widest;
-    write_place(&to, instance, bounds);
+    write_place(&to, place);
     write_tree(&to, rays);
   }
   memcpy(out, &to, sizeof to);

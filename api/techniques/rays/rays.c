@@ -11,13 +11,14 @@
 
 #include <string.h>
 
-enum { steps = 3, list_header = RAYS_FIRST * sizeof(uint32_t) };
+enum { steps = 3, list_header = RAYS_FIRST * sizeof(uint32_t), arguments_size = 3 * sizeof(uint32_t) };
 
 /* The pixels that rays are to decide: private/rays.h. */
 typedef struct pixel_list {
   retired retired;
   gpu_buffer *buffer;
-  uint64_t size;
+  gpu_buffer *arguments; /* the list's groups: what a dispatch writes cannot be its arguments */
+  uint64_t size;         /* of the list */
 } pixel_list;
 
 /* The list's header on its way back. */
@@ -55,9 +56,9 @@ static bool wanted(const csm_config *config) {
 
 /* ---- programs ---- */
 
-/* What a program is made for. */
+/* What a program is made for; without gaps, for its bytes are compared. */
 typedef struct rays_key {
-  uint32_t step;
+  uint64_t step;
   uint64_t variant; /* of rays.cs.hlsl, in the last step */
 } rays_key;
 
@@ -101,6 +102,7 @@ static csm_result find_programs(rays_state *state, technique_run *run) {
 
 static void list_free(device *device, retired *self) {
   pixel_list *list = (pixel_list *)self;
+  device_buffer_free(device, list->arguments, arguments_size);
   device_buffer_free(device, list->buffer, list->size);
   host_release(device->host, list);
 }
@@ -161,13 +163,17 @@ static csm_result reserve_list(rays_state *state, device *device, const techniqu
   if (!list)
     return CSM_ERROR_OUT_OF_MEMORY;
   list->size = wanted;
-  const gpu_buffer_info info = {.name = "rays' pixels",
-                                .kind = GPU_BUFFER_DEVICE,
-                                .size = wanted,
-                                .usage = GPU_BUFFER_READ | GPU_BUFFER_WRITE | GPU_BUFFER_INDIRECT};
-  const csm_result result = device_buffer(device, &info, &list->buffer);
+  const gpu_buffer_info pixels = {.name = "rays' pixels",
+                                  .kind = GPU_BUFFER_DEVICE,
+                                  .size = wanted,
+                                  .usage = GPU_BUFFER_READ | GPU_BUFFER_WRITE};
+  const gpu_buffer_info arguments = {
+      .name = "rays' groups", .kind = GPU_BUFFER_DEVICE, .size = arguments_size, .usage = GPU_BUFFER_INDIRECT};
+  csm_result result = device_buffer(device, &pixels, &list->buffer);
+  if (!result)
+    result = device_buffer(device, &arguments, &list->arguments);
   if (result)
-    host_release(device->host, list);
+    list_free(device, &list->retired);
   else
     state->fresh = list;
   return result;
@@ -296,8 +302,8 @@ static void record(void *self, const technique_run *run) {
   gpu_copy_buffer(gpu, state->now->buffer, 0, state->ring.buffer, state->ring.offset, list_header);
   dispatch(state, run, 0, (gpu_dispatch_info){.groups = {across, down, 1}});
   dispatch(state, run, 1, (gpu_dispatch_info){.groups = {1, 1, 1}});
-  dispatch(state, run, 2,
-           (gpu_dispatch_info){.arguments = state->now->buffer, .arguments_offset = RAYS_GROUPS * sizeof(uint32_t)});
+  gpu_copy_buffer(gpu, state->now->arguments, 0, state->now->buffer, RAYS_GROUPS * sizeof(uint32_t), arguments_size);
+  dispatch(state, run, 2, (gpu_dispatch_info){.arguments = state->now->arguments});
   gpu_make_readable(gpu, picture->mask, NULL);
   gpu_copy_buffer(gpu, state->counting->buffer, 0, state->now->buffer, 0, list_header);
   gpu_marker_end(gpu);
@@ -316,7 +322,7 @@ static void tell_view(const void *self, const device *device, csm_view_stats *st
   stats->ray_map_pixels = counts.by_map;
   stats->ray_nodes = counts.nodes;
   stats->ray_triangles = counts.triangles;
-  stats->bytes += state->now ? state->now->size : 0;
+  stats->bytes += state->now ? state->now->size + arguments_size : 0;
 }
 
 const technique technique_rays = {
