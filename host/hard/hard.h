@@ -117,15 +117,17 @@ void hard_place(host_setup *setup, const double rigid[16]);
 
 /* ---- settings ---- */
 
-/* Filters on moments and soft ones, with as many different settings: for cases that look at every kind. */
+/* Filters on moments, soft ones and those that send rays, with as many different settings: for cases that look at every
+ * kind. */
 typedef struct hard_filter {
   const char *name;
   uint32_t filter;
   uint32_t format, blur_texels, levels, sampling; /* of moments */
 } hard_filter;
 
-enum { HARD_FILTERS = 7, HARD_MOMENT_FILTERS = 4 }; /* those on moments that have no search come first */
-extern const hard_filter hard_filters[HARD_FILTERS];
+/* Those on moments that have no search come first, and those that send rays last. */
+enum { HARD_MOMENT_FILTERS = 4, HARD_FILTERS = 7, HARD_EXACT = HARD_FILTERS, HARD_ALL_FILTERS = 9 };
+extern const hard_filter hard_filters[HARD_ALL_FILTERS];
 
 void hard_filter_set(csm_config *config, const hard_filter *filter);
 
