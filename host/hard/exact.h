@@ -13,11 +13,11 @@ extern const char *const exact_ways[EXACT_WAYS];
 
 void exact_set(csm_config *config, int way);
 
-/* What is judged, and how many pixels may be wrong in each way. INFINITY: they are stated. */
+/* What is judged: outside of the margins nothing may be wrong. What the light grazes is stated. */
 typedef struct exact_asked {
   const char *what;
   hard_margin margin;
-  double dark, lit; /* dark though lit, lit though dark */
+  bool closed; /* all is dark, whatever the truth says; and maybe nothing is turned to the light */
 } exact_asked;
 
 /*

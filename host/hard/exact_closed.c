@@ -6,6 +6,7 @@
 #include "hard/exact.h"
 #include "hard/overhead.h"
 #include <math.h>
+#include <string.h>
 
 /* ---- shells ---- */
 
@@ -89,36 +90,44 @@ static void make_shell(host_setup *out, const shell *of, double half, const doub
 
 /* Along axes and diagonals, in which faces are seen edge-on and edges end-on, and from everywhere. */
 static void light_way(scene_light *out, uint32_t i) {
-  static const double ways[][3] = {{0, -1, 0}, {1, 0, 0}, {1, -1, 0}, {-1, -1, -1},
-                                   {0, 0, -1}, {0, 1, 0}, {0, -1, 1}, {1, 1, -1}};
+  static const double ways[][3] = {{0, -1, 0}, {1, 0, 0},    {1, -1, 0}, {-1, -1, -1},
+                                   {0, 0, -1}, {0, 1, -0.5}, {0, -1, 1}, {1, 1, -1}};
   const uint32_t fixed = sizeof ways / sizeof ways[0];
-  const double up = 1.0 - 2.0 * ((i - fixed + 0.5) / 24.0), angle = 2.39996323 * i, across = sqrt(1.0 - up * up);
-  *out = (scene_light){.direction = {across * cos(angle), up, across * sin(angle)}};
-  for (int k = 0; i < fixed && k < 3; k++)
-    out->direction[k] = ways[i][k];
+  const double up = i < fixed ? 0.0 : 1.0 - 2.0 * ((i - fixed + 0.5) / 24.0), angle = 2.39996323 * i;
+  const double across = sqrt(1.0 - up * up), around[3] = {across * cos(angle), up, across * sin(angle)};
+  *out = (scene_light){0};
+  memcpy(out->direction, i < fixed ? ways[i] : around, sizeof around);
+}
+
+static uint64_t count_turned(const hard_truth *truth, double cosine) {
+  uint64_t count = 0;
+  for (size_t i = 0; i < (size_t)truth->view.width * truth->view.height; i++)
+    count += truth_facing(&truth->view.surfaces[i], &truth->light) > cosine;
+  return count;
 }
 
 /*
- * All that is seen is dark. What a ray cannot tell from the surface that it starts on is within 3e-6 of the view depth of
- * a second one: next to an edge of the shell. A pixel of a picture 90 rows high sees 1/45 of the depth, so that of those
- * along such an edge one in 7000 may be lit where rays alone decide. There are fewer.
+ * All that is seen is dark. Next to an edge, on two triangles at once, a ray goes past the second one: within 3e-6 of the
+ * view depth of it. It comes to that one where it rises from the first one by less than the second does: in a ball of 5120
+ * triangles, and from needle to needle, by less than 0.1. There grazing rays slip through, and so they do where a map's
+ * texels lie about the rim of what they see of the shell: these are stated.
  */
 static int draw_shell(hard_run *run, const shell *of, double half, const double at[3]) {
   host_setup setup;
   hard_truth truth = {0};
   char what[64];
+  uint64_t turned = 0;
   make_shell(&setup, of, half, at);
   snprintf(what, sizeof what, "in %s of %.0e m%s", of->name, half, at[0] != 0.0 ? ", far away" : "");
-  const exact_asked asked = {.what = what};
+  const exact_asked asked = {.what = what, .margin = {.cosine = 0.1}, .closed = true};
   int code = hard_load(run, &setup);
   for (uint32_t i = 0; code == 0 && i < (run->sweep ? 32 : 12); i++) {
     scene_light light;
     light_way(&light, run->sweep ? i : i + i / 6 * 4);
     code = exact_judge(run, &light, &asked, &truth);
-    for (size_t k = 0; code == 0 && k < (size_t)setup.width * setup.height; k++)
-      if (truth.visibility[k] > 0.0f)
-        hard_figure_add(run, 1.0, 0.0, "1", "pictures in which the truth has light in a closed mesh");
+    turned += code ? 0 : count_turned(&truth, asked.margin.cosine);
   }
+  hard_figure_add(run, turned > 10000 ? 0.0 : 1.0, 0.0, "1", "shells of which next to nothing could be judged");
   hard_truth_free(&truth);
   hard_unload(run);
   setup_free(&setup);

@@ -72,7 +72,7 @@ static int move(hard_run *run, host_setup *setup, const choice *which, double fa
 }
 
 static int move_some(hard_run *run, host_setup *setup) {
-  return move(run, setup, &(choice){1, INSTANCES / 100, 100}, 1.0);
+  return move(run, setup, &(choice){1, SIDE + 1, 100}, 1.0);
 }
 
 /* Far enough that the tree does not pay any more, and is built anew. */

@@ -1,6 +1,6 @@
 /*
- * exact_scenes.c: the host's scenes under nine lights down to a degree, and wires thinner than texels: how much is wrong
- * where maps decide what they do not know.
+ * exact_scenes.c: the host's scenes under nine lights down to a degree: how much is wrong where maps decide what they do
+ * not know.
  */
 #include "base/host.h"
 #include "hard/exact.h"
@@ -37,8 +37,7 @@ static void add_figures(hard_run *run, const known_scene *of, int way, const met
   hard_figure_add(run, m->leak, INFINITY, "1", "leaks of %s, %s", of->name, exact_ways[way]);
 }
 
-static int draw_light(hard_run *run, const known_scene *of, const scene_light *sun, hard_truth *truth,
-                      metrics pooled[EXACT_WAYS]) {
+static int draw_light(hard_run *run, const scene_light *sun, hard_truth *truth, metrics out[EXACT_WAYS]) {
   const host_setup *setup = run->setup;
   hard_picture drawn = {0};
   int code = hard_cast(run, &setup->camera, sun, truth);
@@ -49,10 +48,9 @@ static int draw_light(hard_run *run, const known_scene *of, const scene_light *s
     if (code == 0)
       code = hard_draw(run, &setup->camera, sun, HARD_DEPTH, &drawn);
     if (code == 0)
-      code = hard_measure(&pooled[way], truth, &drawn);
+      code = hard_measure(&out[way], truth, &drawn);
   }
   hard_picture_free(&drawn);
-  (void)of;
   return code;
 }
 
@@ -67,7 +65,7 @@ static int draw_scene(hard_run *run, const known_scene *of) {
   for (int i = 0; code == 0 && i < LIGHTS; i += step, count++) {
     const scene_light sun = hard_sun(heights[i], 40.0 * i + 15.0);
     metrics both[EXACT_WAYS];
-    code = draw_light(run, of, &sun, &truth, both);
+    code = draw_light(run, &sun, &truth, both);
     for (int way = 0; code == 0 && way < EXACT_WAYS; way++)
       measured[way][count] = both[way];
   }

@@ -81,7 +81,7 @@ static void add_walls(host_setup *out, bool both) {
   for (size_t i = 0; i < sizeof feet / sizeof feet[0]; i++) {
     const double *f = feet[i];
     const double corners[4][3] = {{f[0], 0, f[1]}, {f[2], 0, f[3]}, {f[2], 2, f[3]}, {f[0], 2, f[1]}};
-    const double turned[4][3] = {{f[0], 2, f[1]}, {f[2], 2, f[3]}, {f[2], 0, f[3]}, {f[0], 0, f[1]}};
+    const double turned[4][3] = {{f[0], 0, f[1]}, {f[0], 2, f[1]}, {f[2], 2, f[3]}, {f[2], 0, f[3]}};
     builder_quad(&b, corners);
     if (both)
       builder_quad(&b, turned);

@@ -209,9 +209,9 @@ float *hard_true_depth(const hard_truth *truth);
 float (*hard_true_normals(const hard_truth *truth))[4];
 
 /* Pixels nearer to a silhouette (neighbours on surfaces that do not join there), or to a true shadow's edge, than this
- * are not judged. */
+ * are not judged, nor are those that the light grazes: the cosine to it is no more than that. */
 typedef struct hard_margin {
-  double silhouette_px, edge_px;
+  double silhouette_px, edge_px, cosine;
 } hard_margin;
 
 /* Of the pixels whose surface is turned to the light, lies within the shadow distance and outside the margins. */
