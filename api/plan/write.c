@@ -122,7 +122,7 @@ static void put_soft(float *out, const plan_frame *frame, const csm_config *conf
 }
 
 /* CSM_R_*, but for what the instances' tree tells. Depths and positions are a few last places of floats off (measured: a
-   surface meets itself below 2^-20 of the view depth; docs/exact.md). */
+   surface meets itself below 2^-20 of the view depth, or of how far the origin is; docs/exact.md). */
 static void put_rays(float *out, const plan_frame *frame, const csm_config *config) {
   float high[3];
   double low[3];

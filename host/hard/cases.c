@@ -30,6 +30,11 @@ const hard_case *const hard_cases[] = {
     &hard_knife_edge,
     &hard_moment_borders,
     &hard_history,
+    &hard_exact_closed,
+    &hard_exact_acne,
+    &hard_exact_shapes,
+    &hard_exact_moving,
+    &hard_exact_scenes,
     NULL,
 };
 /* clang-format on */

@@ -30,6 +30,11 @@ extern const hard_case hard_half_moments;
 extern const hard_case hard_knife_edge;
 extern const hard_case hard_moment_borders;
 extern const hard_case hard_history;
+extern const hard_case hard_exact_closed;
+extern const hard_case hard_exact_acne;
+extern const hard_case hard_exact_shapes;
+extern const hard_case hard_exact_moving;
+extern const hard_case hard_exact_scenes;
 
 /* In the order of the table; NULL ends it. */
 extern const hard_case *const hard_cases[];

@@ -45,6 +45,7 @@ static int open_context(hard_engine *e) {
   const csm_vulkan_device lent = vulkan_device_lend(&e->vulkan);
   const csm_create_info info = {.struct_size = sizeof info,
                                 .version = CSM_VERSION,
+                                .flags = CSM_CREATE_RAYS,
                                 .backend = host_backend_names[0],
                                 .vulkan = &lent,
                                 .log = stage_log,

@@ -1,8 +1,8 @@
-/* filters.c: filters on moments, and soft ones. */
+/* filters.c: filters on moments, soft ones, and those that send rays. */
 #include "hard/hard.h"
 
 /* clang-format off */
-const hard_filter hard_filters[HARD_FILTERS] = {
+const hard_filter hard_filters[HARD_ALL_FILTERS] = {
     {"vsm", CSM_FILTER_VSM, CSM_MOMENTS_FLOAT32, 2, 1, CSM_SAMPLING_BILINEAR},
     {"evsm4", CSM_FILTER_EVSM4, CSM_MOMENTS_FLOAT32, 1, 6, CSM_SAMPLING_ANISOTROPIC},
     {"msm4", CSM_FILTER_MSM4, CSM_MOMENTS_FLOAT32, 0, 4, CSM_SAMPLING_TRILINEAR},
@@ -10,6 +10,8 @@ const hard_filter hard_filters[HARD_FILTERS] = {
     {"pcss", CSM_FILTER_PCSS, 0, 0, 1, 0},
     {"vssm", CSM_FILTER_VSSM, CSM_MOMENTS_FLOAT32, 0, 6, CSM_SAMPLING_TRILINEAR},
     {"backprojection", CSM_FILTER_BACKPROJECTION, 0, 0, 1, 0},
+    {"exact", CSM_FILTER_EXACT, 0, 0, 1, 0},
+    {"exact_soft", CSM_FILTER_EXACT_SOFT, 0, 0, 1, 0},
 };
 /* clang-format on */
 

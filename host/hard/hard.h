@@ -117,15 +117,17 @@ void hard_place(host_setup *setup, const double rigid[16]);
 
 /* ---- settings ---- */
 
-/* Filters on moments and soft ones, with as many different settings: for cases that look at every kind. */
+/* Filters on moments, soft ones and those that send rays, with as many different settings: for cases that look at every
+ * kind. */
 typedef struct hard_filter {
   const char *name;
   uint32_t filter;
   uint32_t format, blur_texels, levels, sampling; /* of moments */
 } hard_filter;
 
-enum { HARD_FILTERS = 7, HARD_MOMENT_FILTERS = 4 }; /* those on moments that have no search come first */
-extern const hard_filter hard_filters[HARD_FILTERS];
+/* Those on moments that have no search come first, and those that send rays last. */
+enum { HARD_MOMENT_FILTERS = 4, HARD_FILTERS = 7, HARD_EXACT = HARD_FILTERS, HARD_ALL_FILTERS = 9 };
+extern const hard_filter hard_filters[HARD_ALL_FILTERS];
 
 void hard_filter_set(csm_config *config, const hard_filter *filter);
 
@@ -207,9 +209,9 @@ float *hard_true_depth(const hard_truth *truth);
 float (*hard_true_normals(const hard_truth *truth))[4];
 
 /* Pixels nearer to a silhouette (neighbours on surfaces that do not join there), or to a true shadow's edge, than this
- * are not judged. */
+ * are not judged, nor are those that the light grazes: the cosine to it is no more than that. */
 typedef struct hard_margin {
-  double silhouette_px, edge_px;
+  double silhouette_px, edge_px, cosine;
 } hard_margin;
 
 /* Of the pixels whose surface is turned to the light, lies within the shadow distance and outside the margins. */

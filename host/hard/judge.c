@@ -202,8 +202,8 @@ static bool within(int64_t square, double margin) {
 static bool is_judged(const hard_truth *truth, size_t i, hard_margin margin) {
   const truth_surface *surface = &truth->view.surfaces[i];
   return surface->triangle != TRUTH_NOTHING && surface->view_depth <= truth->shadow_distance &&
-         truth_facing(surface, &truth->light) > 0.0 && !within(truth->silhouette_squares[i], margin.silhouette_px) &&
-         !within(truth->edge_squares[i], margin.edge_px);
+         truth_facing(surface, &truth->light) > margin.cosine &&
+         !within(truth->silhouette_squares[i], margin.silhouette_px) && !within(truth->edge_squares[i], margin.edge_px);
 }
 
 hard_count hard_judge(hard_run *run, const hard_truth *truth, const float *mask, hard_margin margin) {

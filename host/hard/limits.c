@@ -196,7 +196,7 @@ static int draw_small_maps(hard_run *run, bool lid) {
   for (uint32_t layout = 0; code == 0 && layout <= CSM_LAYOUT_ATLAS; layout++)
     for (uint32_t count = 1; code == 0 && count <= CSM_MAX_CASCADES; count += run->sweep ? 1 : 7)
       code = draw_small(run, &of, layout, count, NULL);
-  for (uint32_t i = 0; code == 0 && i < HARD_FILTERS; i++)
+  for (uint32_t i = 0; code == 0 && i < HARD_ALL_FILTERS; i++)
     code = draw_small(run, &of, i % 2, run->sweep ? CSM_MAX_CASCADES : 1 + i % 2, &hard_filters[i]);
   hard_truth_free(&truth);
   hard_unload(run);

@@ -47,11 +47,11 @@ static int draw_normals(hard_run *run, const host_setup *setup, const scene_ligh
   return code;
 }
 
-/* The same sun and truth, with filters on moments and soft ones: on the plane alone, for these are wide. */
+/* The same sun and truth, with every kind of filter: on the plane alone, for most are wide. */
 static int draw_filters(hard_run *run, const host_setup *setup, const scene_light *sun, const hard_truth *truth,
                         hard_picture *drawn, double height) {
   int code = 0;
-  for (int i = 0; code == 0 && i < HARD_FILTERS; i++) {
+  for (int i = 0; code == 0 && i < HARD_ALL_FILTERS; i++) {
     csm_config config = setup->config;
     hard_filter_set(&config, &hard_filters[i]);
     code = hard_restart(run, &config);
@@ -78,7 +78,7 @@ static int look_for_acne(hard_run *run, bool bare) {
       code = hard_cast(run, &setup.camera, &sun, &truth);
     if (code == 0)
       count_dark(run, &truth, &drawn, height, 2.0, 0.0, bare ? "a plane" : "a yard");
-    if (code == 0 && bare && (run->sweep || height == 1.0)) /* seven filters take long */
+    if (code == 0 && bare && (run->sweep || height == 1.0)) /* so many filters take long */
       code = draw_filters(run, &setup, &sun, &truth, &drawn, height);
     if (code == 0 && hard_has_engine(run)) {
       code = draw_normals(run, &setup, &sun, &truth, &drawn);

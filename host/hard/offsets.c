@@ -23,7 +23,8 @@ static const variant variants[] = {
     {CSM_FIT_CASCADE_SQUARE, CSM_DEPTH_SCENE, CSM_SNAP_ROUND, "cascade square, scene", NULL},
     {CSM_FIT_SCENE_SQUARE, CSM_DEPTH_SCENE_CLIPPED, CSM_SNAP_FLOOR, "scene square, scene clipped", NULL},
     {CSM_FIT_MINIMUM_SPHERE, CSM_DEPTH_CASTERS, CSM_SNAP_ROUND, "vsm", &hard_filters[0]},
-    {CSM_FIT_MINIMUM_SPHERE, CSM_DEPTH_CASTERS, CSM_SNAP_ROUND, "msm4", &hard_filters[2]}};
+    {CSM_FIT_MINIMUM_SPHERE, CSM_DEPTH_CASTERS, CSM_SNAP_ROUND, "msm4", &hard_filters[2]},
+    {CSM_FIT_MINIMUM_SPHERE, CSM_DEPTH_CASTERS, CSM_SNAP_ROUND, "exact", &hard_filters[HARD_EXACT]}};
 enum { VARIANTS = sizeof variants / sizeof variants[0] };
 
 typedef struct yard {

@@ -434,7 +434,7 @@ static int run_perspective(hard_run *run) {
  */
 static int run_filters(hard_run *run) {
   int code = 0;
-  for (uint32_t i = 0; code == 0 && i < HARD_FILTERS; i++) {
+  for (uint32_t i = 0; code == 0 && i < HARD_ALL_FILTERS; i++) {
     base b = {0};
     if (!run->sweep && i % 3 != 1)
       continue;

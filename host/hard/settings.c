@@ -171,6 +171,8 @@ static void set_reader(csm_config *config, const csm_config_field *field, uint32
   static const uint32_t of_light[] = {CSM_FILTER_PCSS, CSM_FILTER_VSSM, CSM_FILTER_BACKPROJECTION, CSM_FILTER_PCSS};
   if (moments)
     config->filter = of_moments[turn % 4];
+  else if (begins_with(field->name, "ray_"))
+    config->filter = turn % 2 ? CSM_FILTER_EXACT : CSM_FILTER_EXACT_SOFT;
   else if (begins_with(field->name, "soft_"))
     config->filter = of_light[turn % 4];
   if (moments || config->filter == CSM_FILTER_VSSM)

@@ -249,7 +249,7 @@ static int run_case(hard_run *run) {
   int code = follow_paths(run);
   for (int place = 0; code == 0 && place < SUN_PLACES; place++)
     code = turn_yard(run, &(turned_yard){.place = (sun_place)place});
-  for (int i = run->sweep ? 0 : 1; code == 0 && i < (run->sweep ? HARD_FILTERS : 2); i++)
+  for (int i = run->sweep ? 0 : 1; code == 0 && i < (run->sweep ? HARD_ALL_FILTERS : 2); i++)
     code = turn_yard(run, &(turned_yard){.filter = &hard_filters[i]});
   return code;
 }
