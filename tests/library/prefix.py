@@ -7,10 +7,10 @@ import re
 import sys
 
 folder = pathlib.Path(sys.argv[1])
-TEXTS = ["csm_sample.inc", "csm_moments.inc", "csm_soft.inc"]
+TEXTS = ["csm_sample.inc", "csm_moments.inc", "csm_soft.inc", "csm_rays.inc"]
 LANGUAGES = ["csm_sample.hlsl", "csm_sample.glsl"]
 STAY = {"CSM_SAMPLE_HLSL", "CSM_SAMPLE_GLSL"}  # guards
-TYPES = {"csm_float2", "csm_float3", "csm_float4", "csm_mad"}  # of a language
+TYPES = {"csm_float2", "csm_float3", "csm_float4", "csm_uint4", "csm_mad"}  # of a language
 
 
 def names_of(text):

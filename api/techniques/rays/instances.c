@@ -340,6 +340,18 @@ void ray_instances_write(const technique_set *cascades, const plan_frame *frame,
   }
 }
 
+static void bind(const void *self, device *device, csm_binding *binding) {
+  const ray_instances_state *state = self;
+  const tree_held meshes = tree_pool_held(device);
+  if (!state->now)
+    return;
+  if (meshes.buffer)
+    binding->native_ray_meshes = gpu_buffer_native(device->gpu, meshes.buffer);
+  binding->ray_meshes_size = meshes.size;
+  binding->native_ray_instances = gpu_buffer_native(device->gpu, state->now->buffer);
+  binding->ray_instances_size = state->now->size;
+}
+
 const technique technique_ray_instances = {
     .name = "instances of rays",
     .state_size = sizeof(ray_instances_state),
@@ -353,5 +365,6 @@ const technique technique_ray_instances = {
     .reserve = reserve,
     .write = write,
     .record = record,
+    .bind = bind,
     .tell = tell,
 };
