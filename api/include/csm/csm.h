@@ -558,8 +558,8 @@ typedef struct csm_binding {
      and compute shaders once csm has recorded. D3D12: in state COMMON, out of which reading promotes them; a command list
      that csm records into again has brought them back to it. csm_mesh_create, csm_mesh_update and csm_render_cascades
      change them with what is recorded next: render, and bind anew in each frame. */
-  uint64_t native_ray_meshes;    /* VkBuffer, or ID3D12Resource*: the meshes' trees; 0: no mesh has one, and no row of it
-                                    is read */
+  uint64_t native_ray_meshes;    /* VkBuffer, or ID3D12Resource*: the meshes' trees; where no mesh has one, the other
+                                    buffer, of which no row is read for it */
   uint64_t native_ray_instances; /* likewise: the instances' tree */
   uint64_t ray_meshes_size;      /* in bytes */
   uint64_t ray_instances_size;

@@ -45,6 +45,7 @@ typedef struct ray_instances_state {
   instance_tree tree;
   double update_ms;  /* bringing the tree up to date, on the CPU */
   tree_source holds; /* what the buffer holds; identity 0: nothing that may be kept */
+  bool draws;        /* the maps have a callback's draws */
   /* of the recording on its way */
   bool writes;
   tree_source source;
@@ -259,6 +260,7 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
   ray_instances_state *state = self;
   const uint32_t slots = run->scene->slot_count;
   const double begin_ms = clock_ms();
+  state->draws = run->frame->draw;
   state->writes = is_stale(state, run);
   state->update_ms = 0.0;
   if (!state->writes)
@@ -329,6 +331,7 @@ void ray_instances_write(const technique_set *cascades, const plan_frame *frame,
   const ray_instances_state *state = technique_state(cascades, &technique_ray_instances);
   const instance_tree *tree = &state->tree;
   csm_rays_block *rays = &((csm_constants *)constants)->rays;
+  rays->unsure[2] = state->draws;
   if (!state->now)
     return;
   rays->low[3] = (float)(state->now->records / record_unit);
@@ -342,14 +345,14 @@ void ray_instances_write(const technique_set *cascades, const plan_frame *frame,
 
 static void bind(const void *self, device *device, csm_binding *binding) {
   const ray_instances_state *state = self;
-  const tree_held meshes = tree_pool_held(device);
   if (!state->now)
     return;
-  if (meshes.buffer)
-    binding->native_ray_meshes = gpu_buffer_native(device->gpu, meshes.buffer);
+  const tree_held instances = {.buffer = state->now->buffer, .size = state->now->size}, held = tree_pool_held(device);
+  const tree_held meshes = held.buffer ? held : instances;
+  binding->native_ray_meshes = gpu_buffer_native(device->gpu, meshes.buffer);
   binding->ray_meshes_size = meshes.size;
-  binding->native_ray_instances = gpu_buffer_native(device->gpu, state->now->buffer);
-  binding->ray_instances_size = state->now->size;
+  binding->native_ray_instances = gpu_buffer_native(device->gpu, instances.buffer);
+  binding->ray_instances_size = instances.size;
 }
 
 const technique technique_ray_instances = {
