@@ -29,7 +29,8 @@
  *   - One {layer, level} may be read while another of the same image is written.
  *   - Frames in flight are ordered too: copy_buffer may overwrite vertices that an earlier recording draws.
  * Every image that was written in a recording rests readable by shaders when `end` returns, if it has
- * GPU_IMAGE_SAMPLED. What was never written, or was discarded, must not be read.
+ * GPU_IMAGE_SAMPLED, and every buffer, if it has GPU_BUFFER_READ (Direct3D 12: in COMMON, out of which reading promotes
+ * it). What was never written, or was discarded, must not be read.
  */
 #ifndef GPU_H
 #define GPU_H
@@ -491,6 +492,7 @@ typedef struct gpu_backend {
   csm_result (*buffer_create)(gpu_device *device, const gpu_buffer_info *info, gpu_buffer **out);
   void (*buffer_destroy)(gpu_device *device, gpu_buffer *buffer);
   void *(*buffer_memory)(gpu_buffer *buffer); /* where an upload or readback buffer is mapped, for its lifetime */
+  uint64_t (*buffer_native)(const gpu_buffer *buffer); /* VkBuffer, or ID3D12Resource* */
   /* The format can what the usage asks (gpu_capabilities.formats). */
   csm_result (*image_create)(gpu_device *device, const gpu_image_info *info, gpu_image **out);
   void (*image_destroy)(gpu_device *device, gpu_image *image);

@@ -62,6 +62,10 @@ static inline void *gpu_buffer_memory(gpu g, gpu_buffer *buffer) {
   return g.api->buffer_memory(buffer);
 }
 
+static inline uint64_t gpu_buffer_native(gpu g, const gpu_buffer *buffer) {
+  return g.api->buffer_native(buffer);
+}
+
 static inline csm_result gpu_image_create(gpu g, const gpu_image_info *info, gpu_image **out) {
   fenv_t floats;
   feholdexcept(&floats);

@@ -1,4 +1,5 @@
 // The mask: visibility of every pixel of a camera's depth image.
+#define CSM_RAYS 2 // later, by rays.cs.hlsl
 #include "private/mask.hlsl"
 
 // What a pixel is that no ray is to decide: a view of rays makes it something else.
@@ -32,7 +33,7 @@ float3 surface_normal(float2 place, float depth)
 bool is_unsure(float3 normal)
 {
     float4 cosines = csm_c[CSM_R_UNSURE];
-    float cosine = -normal.z * rsqrt(max(csm_dot(normal, normal), 1e-30));
+    float cosine = csm_cosine(normal);
     return (bend > 0.01 && cosine < cosines.x) || abs(cosine) < cosines.y;
 }
 #endif

@@ -24,7 +24,7 @@ csm_result CSM_CALL csm_bind(csm_cascades *cascades, csm_binding *out) {
                          .cascade_constants = &planned->constants.cascades,
                          .setting_constants = &planned->constants.settings,
                          .cascade_constants_size = sizeof planned->constants.cascades,
-                         .setting_constants_size = sizeof planned->constants.settings,
+                         .setting_constants_size = sizeof planned->constants - offsetof(csm_constants, settings),
                          .maps_descriptor = given.maps_descriptor,
                          .mask_descriptor = given.mask_descriptor,
                          .moments_descriptor = given.moments_descriptor};

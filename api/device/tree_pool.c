@@ -106,6 +106,13 @@ uint64_t tree_pool_bytes(const device *device) {
   return device->trees.page.size;
 }
 
+tree_held tree_pool_held(const device *device) {
+  const tree_pool *pool = &device->trees;
+  const outgrown *old = (const outgrown *)pool->outgrown;
+  return old ? (tree_held){.buffer = old->buffer, .size = old->size}
+             : (tree_held){.buffer = pool->page.buffer, .size = pool->page.size};
+}
+
 void tree_pool_record(device *device) {
   tree_pool *pool = &device->trees;
   if (!pool->outgrown)

@@ -15,6 +15,12 @@ typedef struct tree_bytes {
   uint64_t size;      /* a multiple of TREE_POOL_ROW */
 } tree_bytes;
 
+/* A buffer of rows. */
+typedef struct tree_held {
+  const gpu_buffer *buffer;
+  uint64_t size;
+} tree_held;
+
 /* Places bytes, which the next recording uploads. Errors: LIMIT_EXCEEDED (more than shaders see at once), those of
    device_buffer, OUT_OF_MEMORY. */
 csm_result tree_pool_add(device *device, const tree_bytes *bytes, page_piece **out);
@@ -28,6 +34,8 @@ static inline uint32_t tree_pool_row(const page_piece *piece) {
 /* NULL: nothing was ever placed. */
 gpu_buffer *tree_pool_buffer(const device *device);
 uint64_t tree_pool_bytes(const device *device);
+/* What the last recording has left: a buffer that has grown since holds nothing before the next one. NULL: none. */
+tree_held tree_pool_held(const device *device);
 /* Records what brings the buffer up to date before uploads. */
 void tree_pool_record(device *device);
 void tree_pool_destroy(device *device);

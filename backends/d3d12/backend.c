@@ -12,6 +12,7 @@ static const gpu_backend backend = {
     .buffer_create = d3d12_buffer_create,
     .buffer_destroy = d3d12_buffer_destroy,
     .buffer_memory = d3d12_buffer_memory,
+    .buffer_native = d3d12_buffer_native,
     .image_create = d3d12_image_create,
     .image_destroy = d3d12_image_destroy,
     .image_bytes = d3d12_image_bytes,

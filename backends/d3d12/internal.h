@@ -233,6 +233,7 @@ void d3d12_resource_destroy(gpu_device *device, d3d12_resource *resource);
 csm_result d3d12_buffer_create(gpu_device *device, const gpu_buffer_info *info, gpu_buffer **out);
 void d3d12_buffer_destroy(gpu_device *device, gpu_buffer *buffer);
 void *d3d12_buffer_memory(gpu_buffer *buffer);
+uint64_t d3d12_buffer_native(const gpu_buffer *buffer);
 csm_result d3d12_image_create(gpu_device *device, const gpu_image_info *info, gpu_image **out);
 void d3d12_image_destroy(gpu_device *device, gpu_image *image);
 uint64_t d3d12_image_bytes(const gpu_image *image);

@@ -82,6 +82,10 @@ void *d3d12_buffer_memory(gpu_buffer *buffer) {
   return buffer->mapped;
 }
 
+uint64_t d3d12_buffer_native(const gpu_buffer *buffer) {
+  return (uint64_t)(uintptr_t)buffer->resource.handle;
+}
+
 /* ---- images ---- */
 
 static D3D12_RESOURCE_FLAGS image_flags(const gpu_image_info *info) {

@@ -131,6 +131,7 @@ static const gpu_backend table = {
     .buffer_create = null_buffer_create,
     .buffer_destroy = null_buffer_destroy,
     .buffer_memory = null_buffer_memory,
+    .buffer_native = null_buffer_native,
     .image_create = null_image_create,
     .image_destroy = null_image_destroy,
     .image_bytes = null_image_bytes,

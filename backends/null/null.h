@@ -109,6 +109,7 @@ null_piece *null_piece_at(gpu_image *image, uint32_t layer, uint32_t level);
 csm_result null_buffer_create(gpu_device *device, const gpu_buffer_info *info, gpu_buffer **out);
 void null_buffer_destroy(gpu_device *device, gpu_buffer *buffer);
 void *null_buffer_memory(gpu_buffer *buffer);
+uint64_t null_buffer_native(const gpu_buffer *buffer);
 csm_result null_image_create(gpu_device *device, const gpu_image_info *info, gpu_image **out);
 void null_image_destroy(gpu_device *device, gpu_image *image);
 uint64_t null_image_bytes(const gpu_image *image);

@@ -83,6 +83,10 @@ void *null_buffer_memory(gpu_buffer *buffer) {
   return buffer->info.kind == GPU_BUFFER_DEVICE ? NULL : buffer->memory;
 }
 
+uint64_t null_buffer_native(const gpu_buffer *buffer) {
+  return (uintptr_t)buffer;
+}
+
 /* ---- images ---- */
 
 static uint32_t most_levels(uint32_t width, uint32_t height) {

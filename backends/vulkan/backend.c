@@ -11,6 +11,7 @@ static const gpu_backend backend = {
     .buffer_create = vulkan_buffer_create,
     .buffer_destroy = vulkan_buffer_destroy,
     .buffer_memory = vulkan_buffer_memory,
+    .buffer_native = vulkan_buffer_native,
     .image_create = vulkan_image_create,
     .image_destroy = vulkan_image_destroy,
     .image_bytes = vulkan_image_bytes,

@@ -237,6 +237,7 @@ csm_result vulkan_geometry_import(gpu_device *device, const void *native, gpu_ge
 csm_result vulkan_buffer_create(gpu_device *device, const gpu_buffer_info *info, gpu_buffer **out);
 void vulkan_buffer_destroy(gpu_device *device, gpu_buffer *buffer);
 void *vulkan_buffer_memory(gpu_buffer *buffer);
+uint64_t vulkan_buffer_native(const gpu_buffer *buffer);
 csm_result vulkan_image_create(gpu_device *device, const gpu_image_info *info, gpu_image **out);
 void vulkan_image_destroy(gpu_device *device, gpu_image *image);
 uint64_t vulkan_image_bytes(const gpu_image *image);
@@ -289,7 +290,7 @@ void vulkan_image_prepare(gpu_device *device, gpu_image *image, const gpu_range 
 /* The same, for a use that takes place now. */
 void vulkan_image_use(gpu_device *device, gpu_image *image, const gpu_range *range, const vulkan_use *next,
                       bool discard);
-/* Ends what a recording did to images: those that shaders read rest readable between recordings. */
+/* Ends what a recording did: images and buffers that shaders read rest readable between recordings. */
 void vulkan_rest(gpu_device *device);
 /* `recorded` false: the recording's uses will not take place. */
 void vulkan_release_used(gpu_device *device, bool recorded);

@@ -70,6 +70,10 @@ void *vulkan_buffer_memory(gpu_buffer *buffer) {
   return buffer->memory.mapped;
 }
 
+uint64_t vulkan_buffer_native(const gpu_buffer *buffer) {
+  return (uint64_t)buffer->handle;
+}
+
 /* ---- images ---- */
 
 static VkImageUsageFlags image_usage(const gpu_image_info *info) {

@@ -121,14 +121,6 @@ void vulkan_image_use(gpu_device *device, gpu_image *image, const gpu_range *ran
   set_use(image, range, next, false);
 }
 
-void vulkan_rest(gpu_device *device) {
-  for (gpu_image *image = device->used_images; image; image = image->next_used) {
-    const gpu_range all = vulkan_range(image, NULL);
-    if (image->view)
-      vulkan_image_use(device, image, &all, &device->read, false);
-  }
-}
-
 void vulkan_release_used(gpu_device *device, bool recorded) {
   for (gpu_image *image = device->used_images; image; image = image->next_used) {
     if (!recorded)
@@ -200,6 +192,24 @@ void vulkan_use_buffers(gpu_device *device, vulkan_work work, bool writes) {
   device->accessed[work] |= all;
   if (writes)
     device->written[work] |= all;
+}
+
+/* An engine's shaders may read buffers between recordings, as draws and dispatches do. */
+static void rest_buffers(gpu_device *device) {
+  if (!(device->buffer_usage & GPU_BUFFER_READ))
+    return;
+  vulkan_use_buffers(device, VULKAN_DRAWS, false);
+  if (device->info.can.compute)
+    vulkan_use_buffers(device, VULKAN_DISPATCHES, false);
+}
+
+void vulkan_rest(gpu_device *device) {
+  for (gpu_image *image = device->used_images; image; image = image->next_used) {
+    const gpu_range all = vulkan_range(image, NULL);
+    if (image->view)
+      vulkan_image_use(device, image, &all, &device->read, false);
+  }
+  rest_buffers(device);
 }
 
 void vulkan_copy_range(gpu_device *device, gpu_buffer *buffer, uint64_t offset, uint64_t size) {

@@ -22,6 +22,12 @@
 //                    pcf_3x3
 //   CSM_SOFT         1: filters pcss, vssm and backprojection are there too where no define fixes the filter; they make such
 //                    a shader large, and are pcf_3x3 there without this
+//   CSM_RAYS         1: filters exact and exact_soft send rays where the maps do not decide, from the position itself. Without
+//                    this they are pcf_3x3 and pcss. exact_soft takes CSM_SOFT, too, where no define fixes the filter, and
+//                    CSM_DEPTHS: through comparisons alone no map tells where penumbras are, and all is for rays
+//   CSM_MESHES(row)  for CSM_RAYS: a row, a uvec4, of csm_binding.native_ray_meshes (csm_meshes.rows[row], by default:
+//                    layout(std430, binding = 2) readonly buffer meshes { uvec4 rows[]; } csm_meshes;)
+//   CSM_INSTANCES(row)   and of native_ray_instances (csm_instances.rows[row])
 //   CSM_COMPARE(uv, layer, reference)   a bilinear comparison of the includer's own, to read through instead
 //   CSM_TEXEL_LIT(texel, layer, reference)   the comparison with one texel, by its index: 1 or 0, likewise
 //
@@ -103,9 +109,17 @@
 #ifdef CSM_MOMENTS
 #define CSM_MOMENTS_AT(uv, layer, level) textureLod(CSM_MOMENTS, vec3(uv, layer), level)
 #endif
+#ifndef CSM_MESHES
+#define CSM_MESHES(row) csm_meshes.rows[row]
+#endif
+#ifndef CSM_INSTANCES
+#define CSM_INSTANCES(row) csm_instances.rows[row]
+#endif
+#define CSM_ROW_FLOATS(row) uintBitsToFloat(row)
 #define csm_float2 vec2
 #define csm_float3 vec3
 #define csm_float4 vec4
+#define csm_uint4 uvec4
 #define csm_mad fma
 #define CSM_UNROLL
 #define CSM_LOOP

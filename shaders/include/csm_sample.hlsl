@@ -19,6 +19,11 @@
 //   CSM_LINEAR       a sampler for it: linear, also between levels, clamped (csm_linear)
 //   CSM_SOFT         1: filters pcss, vssm and backprojection are there too where no define fixes the filter; they make such
 //                    a shader large, and are pcf_3x3 there without this
+//   CSM_RAYS         1: filters exact and exact_soft send rays where the maps do not decide, from the position itself. Without
+//                    this they are pcf_3x3 and pcss. exact_soft takes CSM_SOFT, too, where no define fixes the filter
+//   CSM_MESHES(row)  for CSM_RAYS: a row, a uint4, of csm_binding.native_ray_meshes (csm_meshes[row], by default, of a
+//                    StructuredBuffer<uint4>)
+//   CSM_INSTANCES(row)   and of native_ray_instances (csm_instances[row])
 //   CSM_COMPARE(uv, layer, reference)   a bilinear comparison of the includer's own, to read through instead
 //   CSM_TEXEL_LIT(texel, layer, reference)   the comparison with one texel, by its index: 1 or 0, likewise
 // No sampler that compares is needed, unless CSM_COMPARE has one: filter linear_depth gives the bilinear comparison there.
@@ -86,9 +91,17 @@
 #endif
 #define CSM_MOMENTS_AT(uv, layer, level) CSM_MOMENTS.SampleLevel(CSM_LINEAR, float4(uv, layer, layer).xyz, level)
 #endif
+#ifndef CSM_MESHES
+#define CSM_MESHES(row) csm_meshes[row]
+#endif
+#ifndef CSM_INSTANCES
+#define CSM_INSTANCES(row) csm_instances[row]
+#endif
+#define CSM_ROW_FLOATS(row) asfloat(row)
 #define csm_float2 float2
 #define csm_float3 float3
 #define csm_float4 float4
+#define csm_uint4 uint4
 #define csm_mad mad
 #define CSM_UNROLL [unroll]
 #define CSM_LOOP [loop]

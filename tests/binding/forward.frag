@@ -1,6 +1,7 @@
 // forward.ps.hlsl in GLSL, with names of its own and a sampler apart. FORWARD_WAY: 0 compares, 1 reads depths, 2 is fixed to
 // a configuration, 3 has two lights, one of them with depths alone, 4 asks for points, 5 is fixed to
-// FORWARD_FILTER, has moments, and tells how the position changes.
+// FORWARD_FILTER, has moments, and tells how the position changes; 6 sends rays, too, and is fixed to FORWARD_FILTER, or,
+// without it, follows the configuration; 7 has no depths beside.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "csm_constants.h"
@@ -14,7 +15,7 @@ layout(set = 0, binding = 1) uniform plane_block
     vec4 plane[4]; // homogeneous position at (0, 0), its change for each pixel right and down; normal
 };
 layout(set = 0, binding = 16) uniform texture2DArray sun_maps;
-#if FORWARD_WAY == 5
+#if FORWARD_WAY >= 5
 layout(set = 0, binding = 17) uniform texture2DArray sun_moments;
 layout(set = 0, binding = 48) uniform sampler sun_point;
 layout(set = 0, binding = 49) uniform sampler sun_linear;
@@ -22,6 +23,18 @@ layout(set = 0, binding = 50) uniform samplerShadow sun_sampler;
 #else
 layout(set = 0, binding = 48) uniform samplerShadow sun_sampler;
 layout(set = 0, binding = 49) uniform sampler sun_point;
+#endif
+#if FORWARD_WAY >= 6
+layout(std430, set = 0, binding = 24) readonly buffer mesh_block
+{
+    uvec4 rows[];
+} csm_meshes;
+layout(std430, set = 0, binding = 25) readonly buffer instance_block
+{
+    uvec4 rows[];
+} scene;
+#define CSM_RAYS 1
+#define CSM_INSTANCES(row) scene.rows[row]
 #endif
 
 #if FORWARD_WAY == 3
@@ -52,10 +65,16 @@ float visibility(vec3 position)
 #define CSM_DEPTHS sampler2DArray(sun_maps, sun_point)
 #elif FORWARD_WAY == 2
 #include "forward_defines.h"
-#elif FORWARD_WAY == 5
+#elif FORWARD_WAY >= 5
+#if FORWARD_WAY != 7
 #define CSM_DEPTHS sampler2DArray(sun_maps, sun_point)
+#endif
 #define CSM_MOMENTS sampler2DArray(sun_moments, sun_linear)
+#ifdef FORWARD_FILTER
 #define CSM_FILTER FORWARD_FILTER
+#else
+#define CSM_SOFT 1
+#endif
 #include "forward_plain.h"
 #endif
 #define CSM_CONSTANTS sun.constants
@@ -84,7 +103,7 @@ vec3 position_at(vec2 screen)
 void main()
 {
     vec3 position = position_at(gl_FragCoord.xy);
-#if FORWARD_WAY == 5
+#if FORWARD_WAY >= 5
     vec3 across = position_at(gl_FragCoord.xy + vec2(1.0, 0.0)) - position;
     vec3 down = position_at(gl_FragCoord.xy + vec2(0.0, 1.0)) - position;
     lit = csm_visibility_grad(position, plane[3].xyz, csm_view_depth(position), across, down);

@@ -1,6 +1,7 @@
 // An engine's forward shader in small: the light's visibility on a plane, whose point at each pixel the test says.
 // FORWARD_WAY: 0 loads texels, 1 gathers them, 2 is fixed to a configuration, 3 has two lights, 4 asks for points; 5 to 7
-// are fixed to filters vsm, evsm2 and pcss, have moments, and tell how the position changes.
+// are fixed to filters vsm, evsm2 and pcss, have moments, and tell how the position changes; 8 and 9 to exact and exact_soft,
+// and send rays, as 10 does, which follows the configuration; 11 is fixed to exact, and sends none.
 #include "csm_constants.h"
 #include "csm_enums.h"
 
@@ -56,8 +57,19 @@ Texture2DArray<float4> csm_moments : register(t1);
 #define CSM_FILTER CSM_FILTER_VSM
 #elif FORWARD_WAY == 6
 #define CSM_FILTER CSM_FILTER_EVSM2
-#else
+#elif FORWARD_WAY == 7
 #define CSM_FILTER CSM_FILTER_PCSS
+#elif FORWARD_WAY == 9
+#define CSM_FILTER CSM_FILTER_EXACT_SOFT
+#elif FORWARD_WAY == 10
+#define CSM_SOFT 1
+#else
+#define CSM_FILTER CSM_FILTER_EXACT
+#endif
+#if FORWARD_WAY >= 8 && FORWARD_WAY <= 10
+StructuredBuffer<uint4> csm_meshes : register(t8);
+StructuredBuffer<uint4> csm_instances : register(t9);
+#define CSM_RAYS 1
 #endif
 #include "forward_plain.h"
 #endif

@@ -1,15 +1,16 @@
 /*
- * forward_filters.c: filters of moments and of a light's size give in an engine's forward shader, which binds what
- * csm_bind tells of, what the mask says.
+ * forward_filters.c: filters of moments, of a light's size, and those that send rays give in an engine's forward shader,
+ * which binds what csm_bind tells of, what the mask says.
  *
  *   forward_filters BACKEND
  *
  * A camera sees nothing but a ground; boxes above the view cast on it, near and far. What the shader reads are the very
- * images of the cascades.
+ * images and buffers of the cascades.
  */
 #include "../conformance/support.h"
 #include "abi/cascades.h"
 #include "csm_constants.h"
+#include "device/tree_pool.h"
 #include "forward_code.h"
 #include "forward_filter_10.h"
 #include "forward_filter_11.h"
@@ -19,17 +20,24 @@
 #include "forward_filter_15.h"
 #include "forward_filter_16.h"
 #include "forward_filter_17.h"
+#include "forward_filter_18.h"
+#include "forward_rays.h"
+#include "forward_rays_18.h"
+#include "forward_rays_19.h"
+#include "forward_rays_19_compared.h"
 #include "plane.h"
 #include "shader_code.h"
 #include "techniques/maps/maps.h"
 #include "techniques/mask/mask_programs.h"
 #include "techniques/moments/moments.h"
+#include "techniques/rays/instances.h"
+#include "techniques/rays/ray_record.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH = 512, HEIGHT = 256, PIXELS = WIDTH * HEIGHT, BOXES = 40, READERS = 2 };
+enum { WIDTH = 512, HEIGHT = 256, PIXELS = WIDTH * HEIGHT, BOXES = 40 };
 enum { AT_PLANE = MASK_CASCADES_BLOCK, UPLOAD_BYTES = AT_PLANE + 256 };
 
 typedef struct fixture {
@@ -40,6 +48,7 @@ typedef struct fixture {
   shot shot;
   csm_view *view;
   csm_cascades *cascades;
+  csm_binding binding;
   gpu_buffer *upload, *readback;
   gpu_image *picture, *none; /* what is drawn; moments of a filter that reads none */
   gpu_target *target;
@@ -94,7 +103,9 @@ static void free_objects(fixture *f) {
 
 static void open_fixture(fixture *f) {
   memset(f, 0, sizeof *f);
-  f->context = support_open(&f->record);
+  csm_create_info info = support_create_info(&f->record);
+  info.flags |= CSM_CREATE_RAYS;
+  assert_int_equal(csm_create(&info, &f->context), CSM_SUCCESS);
   f->gpu = context_device(f->context)->gpu;
   f->view = support_view(f->context);
   place_things(f);
@@ -108,50 +119,91 @@ static void close_fixture(fixture *f) {
 
 /* ---- the forward shader ---- */
 
-static void write_constants(const fixture *f) {
-  csm_binding binding = {.struct_size = sizeof binding};
-  assert_int_equal(csm_bind(f->cascades, &binding), CSM_SUCCESS);
+/* With filters that send rays the binding tells of their buffers. */
+static void check_buffers(const fixture *f) {
+  const csm_binding *binding = &f->binding;
+  const device *device = context_device(f->context);
+  if (f->cascades->config.filter < CSM_FILTER_EXACT) {
+    assert_int_equal(binding->native_ray_meshes | binding->ray_meshes_size, 0);
+    assert_int_equal(binding->native_ray_instances | binding->ray_instances_size, 0);
+    return;
+  }
+  const gpu_buffer *instances = ray_instances_buffer(&f->cascades->techniques);
+  assert_int_equal(binding->native_ray_meshes, gpu_buffer_native(f->gpu, tree_pool_buffer(device)));
+  assert_int_equal(binding->ray_meshes_size, tree_pool_bytes(device));
+  assert_int_equal(binding->native_ray_instances, gpu_buffer_native(f->gpu, instances));
+  assert_int_equal(binding->ray_instances_size % TREE_POOL_ROW, 0);
+  assert_true(binding->ray_instances_size >= (BOXES + 1) * RAY_RECORD_SIZE);
+}
+
+static void bind(fixture *f) {
+  csm_binding *binding = &f->binding;
+  *binding = (csm_binding){.struct_size = sizeof *binding};
+  assert_int_equal(csm_bind(f->cascades, binding), CSM_SUCCESS);
   char *upload = gpu_buffer_memory(f->gpu, f->upload);
-  memcpy(upload, binding.cascade_constants, binding.cascade_constants_size);
-  memcpy(upload + 16 * CSM_S_BEGIN, binding.setting_constants, binding.setting_constants_size);
+  memcpy(upload, binding->cascade_constants, binding->cascade_constants_size);
+  memcpy(upload + 16 * CSM_S_BEGIN, binding->setting_constants, binding->setting_constants_size);
   plane_rows((float *)(upload + AT_PLANE), f->shot.camera.view, f->shot.camera.projection, -8, WIDTH, HEIGHT);
+  check_buffers(f);
 }
 
-/* Each is fixed to a filter; in HLSL a few are made. */
-static const gpu_code in_glsl[] = {
-    {.spirv = forward_filter_10, .spirv_size = sizeof forward_filter_10},
-    {.spirv = forward_filter_11, .spirv_size = sizeof forward_filter_11},
-    {.spirv = forward_filter_12, .spirv_size = sizeof forward_filter_12},
-    {.spirv = forward_filter_13, .spirv_size = sizeof forward_filter_13},
-    {.spirv = forward_filter_14, .spirv_size = sizeof forward_filter_14},
-    {.spirv = forward_filter_15, .spirv_size = sizeof forward_filter_15},
-    {.spirv = forward_filter_16, .spirv_size = sizeof forward_filter_16},
-    {.spirv = forward_filter_17, .spirv_size = sizeof forward_filter_17},
-};
+/* An engine's shader: fixed to a filter, or to none, with rays or without. */
+typedef struct reader {
+  const char *name;
+  uint32_t filter; /* ANY: as configured */
+  bool glsl, rays;
+  gpu_code code;
+} reader;
 
-static bool has_program(const fixture *f, bool glsl) {
+enum { ANY = 0xffffffffu, MOST_READERS = 20 };
+
+#define GLSL(words)                                                                                                    \
+  { .spirv = (words), .spirv_size = sizeof(words) }
+
+/* In HLSL a few are made, and GLSL is for Vulkan alone. */
+static uint32_t list_readers(const fixture *f, reader out[MOST_READERS]) {
+  const reader all[MOST_READERS] = {
+      {"HLSL", CSM_FILTER_VSM, .code = shader_forward_vsm_ps},
+      {"HLSL", CSM_FILTER_EVSM2, .code = shader_forward_evsm2_ps},
+      {"HLSL", CSM_FILTER_PCSS, .code = shader_forward_pcss_ps},
+      {"HLSL, no rays", CSM_FILTER_EXACT, .code = shader_forward_exact_bare_ps},
+      {"HLSL", CSM_FILTER_EXACT, .rays = true, .code = shader_forward_exact_ps},
+      {"HLSL", CSM_FILTER_EXACT_SOFT, .rays = true, .code = shader_forward_exact_soft_ps},
+      {"HLSL, as configured", ANY, .rays = true, .code = shader_forward_rays_ps},
+      {"GLSL", CSM_FILTER_VSM, .glsl = true, .code = GLSL(forward_filter_10)},
+      {"GLSL", CSM_FILTER_ESM, .glsl = true, .code = GLSL(forward_filter_11)},
+      {"GLSL", CSM_FILTER_EVSM2, .glsl = true, .code = GLSL(forward_filter_12)},
+      {"GLSL", CSM_FILTER_EVSM4, .glsl = true, .code = GLSL(forward_filter_13)},
+      {"GLSL", CSM_FILTER_MSM4, .glsl = true, .code = GLSL(forward_filter_14)},
+      {"GLSL", CSM_FILTER_PCSS, .glsl = true, .code = GLSL(forward_filter_15)},
+      {"GLSL", CSM_FILTER_VSSM, .glsl = true, .code = GLSL(forward_filter_16)},
+      {"GLSL", CSM_FILTER_BACKPROJECTION, .glsl = true, .code = GLSL(forward_filter_17)},
+      {"GLSL, no rays", CSM_FILTER_EXACT, .glsl = true, .code = GLSL(forward_filter_18)},
+      {"GLSL", CSM_FILTER_EXACT, .glsl = true, .rays = true, .code = GLSL(forward_rays_18)},
+      {"GLSL", CSM_FILTER_EXACT_SOFT, .glsl = true, .rays = true, .code = GLSL(forward_rays_19)},
+      {"GLSL, comparisons", CSM_FILTER_EXACT_SOFT, .glsl = true, .rays = true, .code = GLSL(forward_rays_19_compared)},
+      {"GLSL, as configured", ANY, .glsl = true, .rays = true, .code = GLSL(forward_rays)},
+  };
   const uint32_t filter = f->cascades->config.filter;
-  const bool made = filter == CSM_FILTER_VSM || filter == CSM_FILTER_EVSM2 || filter == CSM_FILTER_PCSS;
-  return glsl ? strcmp(f->gpu.api->name, "vulkan") == 0 : made;
+  const bool vulkan = strcmp(f->gpu.api->name, "vulkan") == 0;
+  uint32_t count = 0;
+  for (uint32_t i = 0; i < MOST_READERS; ++i) {
+    const bool fits = all[i].filter == filter || (all[i].filter == ANY && filter >= CSM_FILTER_EXACT);
+    if (fits && (vulkan || !all[i].glsl))
+      out[count++] = all[i];
+  }
+  return count;
 }
 
-static gpu_code code_of(const fixture *f, bool glsl) {
-  const uint32_t filter = f->cascades->config.filter;
-  if (glsl)
-    return in_glsl[filter - CSM_FILTER_VSM];
-  return filter == CSM_FILTER_VSM     ? shader_forward_vsm_ps
-         : filter == CSM_FILTER_EVSM2 ? shader_forward_evsm2_ps
-                                      : shader_forward_pcss_ps;
-}
-
-static gpu_program_info program_info(const fixture *f, bool glsl) {
+static gpu_program_info program_info(const reader *reader) {
   return (gpu_program_info){
       .name = "forward",
       .vertex = shader_screen_vs,
-      .pixel = code_of(f, glsl),
+      .pixel = reader->code,
       .constants_count = 2,
       .constants_sizes = {MASK_CASCADES_BLOCK, 64},
       .texture_count = 2,
+      .buffer_count = reader->rays ? 2 : 0,
       .sampler_count = 3,
       .samplers = {GPU_SAMPLER_POINT_CLAMP, GPU_SAMPLER_TRILINEAR_CLAMP, GPU_SAMPLER_COMPARE_LESS_EQUAL},
       .color_format = GPU_FORMAT_R8_UNORM,
@@ -169,16 +221,19 @@ static void record_picture(const fixture *f, gpu_program *program, gpu_bindings 
   gpu_copy_image(gpu, f->readback, 0, WIDTH, f->picture, &(gpu_region){.width = WIDTH, .height = HEIGHT});
 }
 
-static const uint8_t *draw_forward(const fixture *f, bool glsl) {
+static const uint8_t *draw_forward(const fixture *f, const reader *reader) {
   gpu_image *moments = moments_image(&f->cascades->techniques, &f->cascades->config);
-  const gpu_program_info info = program_info(f, glsl);
+  const gpu_program_info info = program_info(reader);
   gpu_program *program;
   gpu_bindings *bindings;
   assert_int_equal(gpu_program_create(f->gpu, &info, &program), CSM_SUCCESS);
-  const gpu_bindings_info reads = {.name = "forward",
-                                   .program = program,
-                                   .constants = {f->upload, f->upload},
-                                   .textures = {maps_image(&f->cascades->techniques), moments ? moments : f->none}};
+  const gpu_bindings_info reads = {
+      .name = "forward",
+      .program = program,
+      .constants = {f->upload, f->upload},
+      .textures = {maps_image(&f->cascades->techniques), moments ? moments : f->none},
+      .buffers = {{.buffer = tree_pool_buffer(context_device(f->context)), .stride = TREE_POOL_ROW},
+                  {.buffer = ray_instances_buffer(&f->cascades->techniques), .stride = TREE_POOL_ROW}}};
   assert_int_equal(gpu_bindings_create(f->gpu, &reads, &bindings), CSM_SUCCESS);
   assert_int_equal(gpu_begin(f->gpu, &(gpu_record_info){.slot = 0, .first = true}), CSM_SUCCESS);
   if (!moments)
@@ -193,8 +248,9 @@ static const uint8_t *draw_forward(const fixture *f, bool glsl) {
 
 /* ---- comparing ---- */
 
-/* The mask has shadows with something between light and dark. */
-static void check_mask(const float *mask) {
+/* The mask has shadows, with something between light and dark but for a ray to the middle of the light. */
+static void check_mask(const fixture *f, const float *mask) {
+  const bool hard = f->cascades->config.filter == CSM_FILTER_EXACT;
   uint32_t lit = 0, dark = 0;
   for (uint32_t i = 0; i < PIXELS; ++i) {
     lit += mask[i] > 0.95f;
@@ -202,7 +258,7 @@ static void check_mask(const float *mask) {
   }
   assert_in_range(lit, PIXELS / 5, PIXELS);
   assert_in_range(dark, PIXELS / 200, PIXELS);
-  assert_in_range(PIXELS - lit - dark, PIXELS / 200, PIXELS);
+  assert_in_range(PIXELS - lit - dark, hard ? 0 : PIXELS / 200, hard ? 0 : PIXELS);
 }
 
 /*
@@ -224,18 +280,25 @@ static void compare(const fixture *f, const float *mask, const uint8_t *picture,
     fail_msg("%s: %u pixels differ by more than 1/255", what, wrong);
 }
 
-static void check_config(fixture *f, const csm_config *config, const char *what) {
+/* Draws maps and mask, which the caller frees, with cascades that it destroys. */
+static float *draw_mask(fixture *f, const csm_config *config) {
   assert_int_equal(csm_cascades_create(f->context, config, &f->cascades), CSM_SUCCESS);
   assert_int_equal(csm_render_cascades(f->cascades, shot_frame(&f->shot)), CSM_SUCCESS);
   assert_int_equal(shot_resolve(&f->shot, f->view, f->cascades, WIDTH, HEIGHT), CSM_SUCCESS);
-  float *mask = support_image(f->context, f->view, CSM_READ_MASK, WIDTH, HEIGHT);
-  check_mask(mask);
-  write_constants(f);
-  for (int glsl = 0; glsl < READERS; ++glsl) {
+  bind(f);
+  return support_image(f->context, f->view, CSM_READ_MASK, WIDTH, HEIGHT);
+}
+
+static void check_config(fixture *f, const csm_config *config, const char *what) {
+  const bool has_rays = config->filter >= CSM_FILTER_EXACT;
+  reader readers[MOST_READERS];
+  float *mask = draw_mask(f, config);
+  check_mask(f, mask);
+  for (uint32_t i = 0, count = list_readers(f, readers); i < count; ++i) {
     char name[128];
-    snprintf(name, sizeof name, "%s, %s", what, glsl ? "GLSL" : "HLSL");
-    if (has_program(f, glsl))
-      compare(f, mask, draw_forward(f, glsl), name);
+    snprintf(name, sizeof name, "%s, %s", what, readers[i].name);
+    if (readers[i].rays == has_rays)
+      compare(f, mask, draw_forward(f, &readers[i]), name);
   }
   free(mask);
   assert_int_equal(csm_cascades_destroy(f->cascades), CSM_SUCCESS);
@@ -249,17 +312,19 @@ static csm_config config_of(uint32_t filter) {
   config.soft_radius_max_texels = 16;
   config.soft_search_taps = 8;
   config.soft_taps = 8;
+  config.ray_taps = 4;
   if (filter == CSM_FILTER_VSSM)
     config.moment_levels = 5;
   return config;
 }
 
 static void every_filter_is_as_in_the_mask(void **state) {
-  static const char *const names[] = {"vsm", "esm", "evsm2", "evsm4", "msm4", "pcss", "vssm", "backprojection"};
+  static const char *const names[] = {"vsm",  "esm",  "evsm2",          "evsm4", "msm4",
+                                      "pcss", "vssm", "backprojection", "exact", "exact_soft"};
   fixture f;
   (void)state;
   open_fixture(&f);
-  for (uint32_t filter = CSM_FILTER_VSM; filter <= CSM_FILTER_BACKPROJECTION; ++filter) {
+  for (uint32_t filter = CSM_FILTER_VSM; filter <= CSM_FILTER_EXACT_SOFT; ++filter) {
     const csm_config config = config_of(filter);
     check_config(&f, &config, names[filter - CSM_FILTER_VSM]);
   }
@@ -305,11 +370,71 @@ static void settings_are_as_in_the_mask(void **state) {
   close_fixture(&f);
 }
 
+/* A shader that sends no rays has pcf_3x3 in place of exact: nothing undecided leaves it. */
+static void without_rays_exact_is_pcf_3x3(void **state) {
+  fixture f;
+  reader readers[MOST_READERS];
+  (void)state;
+  open_fixture(&f);
+  csm_config config = config_of(CSM_FILTER_PCF_3X3);
+  float *mask = draw_mask(&f, &config);
+  check_mask(&f, mask);
+  assert_int_equal(csm_cascades_destroy(f.cascades), CSM_SUCCESS);
+  config.filter = CSM_FILTER_EXACT;
+  free(draw_mask(&f, &config));
+  for (uint32_t i = 0, count = list_readers(&f, readers); i < count; ++i)
+    if (!readers[i].rays)
+      compare(&f, mask, draw_forward(&f, &readers[i]), readers[i].name);
+  assert_int_equal(csm_cascades_destroy(f.cascades), CSM_SUCCESS);
+  free(mask);
+  close_fixture(&f);
+}
+
+/* What a box is that rays cannot meet: so flat that it has no tree. */
+static void flatten_boxes(fixture *f) {
+  for (uint32_t i = 1; i <= BOXES; ++i)
+    f->instances[i].transform[5] = 1e-6;
+}
+
+/* Visibility by a map is one of 17 shares of 4 x 4 texels: none is lit where none of pcf_3x3's is, which are the same. */
+static void check_shares(const float *mask, const uint8_t *picture, const char *what) {
+  uint32_t between = 0, wrong = 0;
+  for (uint32_t i = 0; i < PIXELS; ++i) {
+    const float share = (float)picture[i] * (16.0f / 255.0f), whole = (float)(int)(share + 0.5f);
+    const bool agrees = mask[i] > 0.0f && mask[i] < 1.0f ? picture[i] > 0 && picture[i] < 255
+                                                         : (uint8_t)(mask[i] * 255.0f) == picture[i];
+    between += picture[i] > 0 && picture[i] < 255;
+    wrong += !agrees || share - whole > 0.05f || whole - share > 0.05f;
+  }
+  printf("%s: %u pixels between, %u wrong\n", what, between, wrong);
+  assert_in_range(between, PIXELS / 200, PIXELS);
+  assert_in_range(wrong, 0, PIXELS / 1000);
+}
+
+static void maps_decide_where_rays_meet_nothing(void **state) {
+  fixture f;
+  reader readers[MOST_READERS];
+  (void)state;
+  open_fixture(&f);
+  flatten_boxes(&f);
+  csm_config config = config_of(CSM_FILTER_PCF_3X3);
+  float *mask = draw_mask(&f, &config);
+  assert_int_equal(csm_cascades_destroy(f.cascades), CSM_SUCCESS);
+  config.filter = CSM_FILTER_EXACT;
+  free(draw_mask(&f, &config));
+  for (uint32_t i = 0, count = list_readers(&f, readers); i < count; ++i)
+    if (readers[i].rays)
+      check_shares(mask, draw_forward(&f, &readers[i]), readers[i].name);
+  assert_int_equal(csm_cascades_destroy(f.cascades), CSM_SUCCESS);
+  free(mask);
+  close_fixture(&f);
+}
+
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(every_filter_is_as_in_the_mask),
-      cmocka_unit_test(levels_are_as_in_the_mask),
-      cmocka_unit_test(settings_are_as_in_the_mask),
+      cmocka_unit_test(every_filter_is_as_in_the_mask),      cmocka_unit_test(levels_are_as_in_the_mask),
+      cmocka_unit_test(settings_are_as_in_the_mask),         cmocka_unit_test(without_rays_exact_is_pcf_3x3),
+      cmocka_unit_test(maps_decide_where_rays_meet_nothing),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof *tests);
 }

@@ -25,6 +25,15 @@ SamplerState csm_linear : register(s2);
 #ifdef CSM_POINT
 SamplerState CSM_POINT : register(s0);
 #endif
+#ifdef ROWS
+StructuredBuffer<uint4> csm_meshes : register(t8);
+StructuredBuffer<uint4> csm_instances : register(t9);
+#endif
+#ifdef OWN_ROWS
+Buffer<uint4> trees : register(t8);
+#define CSM_MESHES(row) trees[int(row)]
+#define CSM_INSTANCES(row) trees[int(row) + 4096]
+#endif
 #ifdef OWN_COMPARISON
 SamplerComparisonState compare : register(s1);
 #define CSM_COMPARE(uv, layer, reference) MAPS.SampleCmpLevelZero(compare, float3(uv, layer), reference)
@@ -51,6 +60,15 @@ layout(set = 0, binding = 3) uniform sampler2DArray CSM_DEPTHS;
 #endif
 #ifdef MOMENTS
 layout(set = 0, binding = 6) uniform sampler2DArray MOMENTS;
+#endif
+#ifdef ROWS
+layout(std430, set = 0, binding = 7) readonly buffer meshes { uvec4 rows[]; } csm_meshes;
+layout(std430, set = 0, binding = 8) readonly buffer instances { uvec4 rows[]; } csm_instances;
+#endif
+#ifdef OWN_ROWS
+layout(set = 0, binding = 7) uniform utextureBuffer trees;
+#define CSM_MESHES(row) texelFetch(trees, int(row))
+#define CSM_INSTANCES(row) texelFetch(trees, int(row) + 4096)
 #endif
 #ifdef OWN_COMPARISON
 #define CSM_COMPARE(uv, layer, reference) textureGrad(MAPS, vec4(uv, layer, reference), vec2(0.0), vec2(0.0))
@@ -108,7 +126,29 @@ float main(float4 p : SV_Position) : SV_Target
     return both * csm_visibility(p.xyz, p.xyz, csm_view_depth(p.xyz));
 }
 """
-named = {"CSM_CONSTANTS": "c", "CSM_MAPS": "maps", "CONSTANTS": "c", "MAPS": "maps"}
+# Rays to two suns through the same meshes, by two prefixes.
+hlsl_prefixes = """#include "csm_constants.h"
+cbuffer shadows : register(b0) { float4 suns[2][CSM_C_COUNT]; };
+Texture2DArray<float> maps : register(t0);
+StructuredBuffer<uint4> csm_meshes : register(t8);
+StructuredBuffer<uint4> csm_instances : register(t9);
+StructuredBuffer<uint4> moon_instances : register(t10);
+#define CSM_PREFIX moon_
+#define CSM_RAYS 1
+#define CSM_FILTER CSM_FILTER_EXACT_SOFT
+#define CSM_INSTANCES(row) moon_instances[row]
+#define CSM_CONSTANTS suns[1]
+#define CSM_MAPS maps
+#include "csm_sample.hlsl"
+#define CSM_RAYS 1
+#define CSM_CONSTANTS suns[0]
+#define CSM_MAPS maps
+#include "csm_sample.hlsl"
+float main(float4 p : SV_Position) : SV_Target
+{
+    return csm_visibility(p.xyz, p.xyz, p.w) * moon_visibility(p.xyz, p.xyz, p.w);
+}
+"""
 asked = {"ASKED": "csm_visibility(p.xyz,p.xyz,csm_view_depth(p.xyz))"}
 usual = {"CONSTANTS": "csm_c", "MAPS": "csm_maps", **asked}
 named = {"CSM_CONSTANTS": "c", "CSM_MAPS": "maps", "CONSTANTS": "c", "MAPS": "maps", **asked}
@@ -126,7 +166,7 @@ ways = {
     "GLSL, own comparison": (glsl, {**usual, "OWN_COMPARISON": "1"}, {LIT}, {LIT}),
     "GLSL, own comparison with a texel": (glsl, {**usual, "OWN_TEXEL": "1"}, {LOAD}, {LOAD}),
 }
-NEAREST, FIRST_OF_MOMENTS, FIRST_SOFT, FILTERS = 2, 10, 15, 18
+NEAREST, FIRST_OF_MOMENTS, FIRST_SOFT, FIRST_OF_RAYS, FILTERS = 2, 10, 15, 18, 20
 cases = {}  # source, stage, macros, the instructions that read (None: any), whether one is all
 for way, (source, defines, reads, texel_reads) in ways.items():
     cases[f"{way}, as configured"] = source, "frag", defines, reads | texel_reads, False
@@ -159,6 +199,19 @@ for language, source, reads in (("HLSL", hlsl, {LOAD}), ("GLSL", glsl, {GATHER_L
         cases[f"{language}, filter {kind}, levels"] = source, "frag", {**fixed, **grad}, {MOMENTS} if of_moments else None, False
     cases[f"{language}, moments and soft, as configured"] = source, "frag", {
         **usual, **grad, "MOMENTS": "moments", "CSM_MOMENTS": "moments", "CSM_SOFT": "1"}, None, False
+# Filters of rays look up rows; any other filter has none to look up, nor have they where no rays are asked for.
+for language, source, rows in ("HLSL", hlsl, {"ROWS": "1"}), ("GLSL", glsl, {"ROWS": "1", "CSM_DEPTHS": "depths"}):
+    rays = {**usual, "CSM_RAYS": "1"}
+    for kind in range(FIRST_OF_RAYS, FILTERS):
+        fixed = {**rays, "CSM_FILTER": str(kind)}
+        cases[f"{language}, rays, filter {kind}"] = source, "frag", {**fixed, **rows}, None, False
+        cases[f"{language}, rays, filter {kind}, own rows"] = source, "frag", {**fixed, "OWN_ROWS": "1"}, None, False
+    cases[f"{language}, rays, all but maps fixed, a point"] = source, "frag", {
+        **rays, **rows, **least, "CSM_FILTER": "18", "ASKED": "csm_visibility_point(p.xyz,p.w)"}, None, False
+    cases[f"{language}, rays, as configured"] = source, "frag", {**rays, **rows}, None, False
+    cases[f"{language}, rays, as configured, soft"] = source, "frag", {**rays, **rows, "CSM_SOFT": "1"}, None, False
+    cases[f"{language}, no rays for filter 1"] = source, "frag", {**rays, "CSM_FILTER": "1"}, None, False
+cases["HLSL, rays to two suns"] = hlsl_prefixes, "frag", {}, None, False
 cases["GLSL, two suns in a compute shader"] = compute, "comp", {}, {LIT}, False
 cases["HLSL, two suns"] = hlsl_suns, "frag", {}, {LOAD}, False
 
@@ -186,7 +239,7 @@ def compile_case(folder, source, stage, defines):
     path, output = folder / "shader", folder / "shader.spv"
     path.write_text(source)
     language = ["--hlsl-iomap", "--shift-texture-binding", "16", "--shift-sampler-binding", "48", "-D", "-e", "main"] if (
-        source in (hlsl, hlsl_suns)) else []
+        source in (hlsl, hlsl_suns, hlsl_prefixes)) else []
     run(glslang, "-V", *language, "-S", stage, "--target-env", "vulkan1.1", f"-I{include}",
         *(f"-D{name}={value}" for name, value in defines.items()), "-o", output, path)
     run(spirv_val, "--target-env", "vulkan1.1", output)
@@ -224,7 +277,7 @@ def refuses(source, value):
         try:
             compile_case(pathlib.Path(scratch), source, "frag", {**usual, "CSM_FILTER": value})
         except RuntimeError as error:
-            return "CSM_FILTER is 0 to 17" in str(error)
+            return "CSM_FILTER is 0 to 19" in str(error)
         return False
 
 
@@ -232,7 +285,7 @@ check_enumerations()
 with concurrent.futures.ThreadPoolExecutor(2) as pool:
     failed = sum(pool.map(check_case, cases.items()))
 for source in (hlsl, glsl):
-    if not refuses(source, "18"):
+    if not refuses(source, str(FILTERS)):
         failed += 1
         print("a filter that is not there goes unseen")
 print(f"{len(cases)} ways to include, {failed} failures")

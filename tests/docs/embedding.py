@@ -59,11 +59,12 @@ def compile_part(body):
 def compile_shaders(folder):
     run(glslang, "-V", "-x", "--target-env", "vulkan1.1", f"-I{root}/shaders/include", "-o", folder / "points.spv.h",
         folder / "points.comp")
-    # Those of moments are compiled alone; what they give is held by tests/binding.
-    run(glslang, "-V", "--target-env", "vulkan1.1", f"-I{root}/shaders/include", "-o", folder / "moments.spv",
-        folder / "moments.frag")
-    run(glslang, "-V", "-D", "-e", "main", "-S", "frag", "--target-env", "vulkan1.1", f"-I{root}/shaders/include", "-o",
-        folder / "moments_hlsl.spv", folder / "moments.ps.hlsl")
+    # Those of moments and of rays are compiled alone; what they give is held by tests/binding.
+    for name in "moments", "exact":
+        run(glslang, "-V", "--target-env", "vulkan1.1", f"-I{root}/shaders/include", "-o", folder / f"{name}.spv",
+            folder / f"{name}.frag")
+        run(glslang, "-V", "-D", "-e", "main", "-S", "frag", "--target-env", "vulkan1.1", f"-I{root}/shaders/include",
+            "-o", folder / f"{name}_hlsl.spv", folder / f"{name}.ps.hlsl")
     source = root / "tests/docs/points.cs.hlsl"
     if files["points.cs.hlsl"] != source.read_text():
         sys.exit("points.cs.hlsl of docs/embedding.md is not that of tests/docs: copy it there and run ./dev shaders")
@@ -90,7 +91,7 @@ def said(*lines):
 
 for part in parts:
     compile_part(part)
-assert len(parts) == 9 and set(packages) <= set(files), (len(parts), sorted(files))
+assert len(parts) == 10 and set(packages) <= set(files), (len(parts), sorted(files))
 with tempfile.TemporaryDirectory() as scratch:
     folder = pathlib.Path(scratch)
     for name, body in files.items():

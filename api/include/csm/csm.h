@@ -537,7 +537,7 @@ typedef struct csm_binding {
   /* The two blocks of shaders/include/csm_constants.h, as bytes to copy. They stay until the next csm_render_cascades,
      csm_cascades_configure or csm_cascades_destroy. */
   const void *cascade_constants; /* csm_cascades_block */
-  const void *setting_constants; /* csm_settings_block */
+  const void *setting_constants; /* csm_settings_block, and csm_rays_block after it */
   uint32_t cascade_constants_size;
   uint32_t setting_constants_size; /* it grows with csm, at its end */
   uint64_t native_maps;            /* VkImage, or ID3D12Resource*: the array of maps, readable by shaders */
@@ -552,6 +552,17 @@ typedef struct csm_binding {
   uint64_t native_moments_view;    /* Vulkan: VkImageView, 2D array of all levels; D3D12: 0 */
   uint64_t native_moments_sampler; /* Vulkan: VkSampler: linear, also between levels, clamped; D3D12: 0 */
   uint64_t moments_descriptor;     /* in, D3D12: as maps_descriptor, of the moments, if there are any */
+  /* What rays look up, with filters exact and exact_soft; with another filter 0. Two buffers of rows of four 32-bit whole
+     numbers: in GLSL a std430 uvec4[], in HLSL a StructuredBuffer<uint4>, for which D3D12 takes a shader resource view of
+     format UNKNOWN, StructureByteStride 16 and NumElements size / 16. Bind all of each. They are readable by vertex, pixel
+     and compute shaders once csm has recorded. D3D12: in state COMMON, out of which reading promotes them; a command list
+     that csm records into again has brought them back to it. csm_mesh_create, csm_mesh_update and csm_render_cascades
+     change them with what is recorded next: render, and bind anew in each frame. */
+  uint64_t native_ray_meshes;    /* VkBuffer, or ID3D12Resource*: the meshes' trees; where no mesh has one, the other
+                                    buffer, of which no row is read for it */
+  uint64_t native_ray_instances; /* likewise: the instances' tree */
+  uint64_t ray_meshes_size;      /* in bytes */
+  uint64_t ray_instances_size;
 } csm_binding;
 
 /*

@@ -48,6 +48,7 @@ typedef struct ray_instances_state {
   instance_tree tree;
   double update_ms;  /* bringing the tree up to date, on the CPU */
   tree_source holds; /* what the buffer holds; identity 0: nothing that may be kept */
+  bool draws;        /* the maps have a callback's draws */
   /* of the recording on its way */
   bool writes;
   uint32_t change_count; /* slots whose records are uploaded; 0: all */
@@ -299,6 +300,7 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
   ray_instances_state *state = self;
   const uint32_t slots = run->scene->slot_count;
   const double begin_ms = clock_ms();
+  state->draws = run->frame->draw;
   state->writes = is_stale(state, run);
   state->update_ms = 0.0;
   if (!state->writes)
@@ -383,6 +385,7 @@ void ray_instances_write(const technique_set *cascades, const plan_frame *frame,
   const ray_instances_state *state = technique_state(cascades, &technique_ray_instances);
   const instance_tree *tree = &state->tree;
   csm_rays_block *rays = &((csm_constants *)constants)->rays;
+  rays->unsure[2] = state->draws;
   if (!state->now)
     return;
   rays->low[3] = (float)(state->now->records / record_unit);
@@ -392,6 +395,18 @@ void ray_instances_write(const technique_set *cascades, const plan_frame *frame,
     rays->offset[axis] = (float)within_reach((frame->origin[axis] - tree->anchor[axis]) * tree->grid.scale[axis] +
                                              tree->grid.offset[axis]);
   }
+}
+
+static void bind(const void *self, device *device, csm_binding *binding) {
+  const ray_instances_state *state = self;
+  if (!state->now)
+    return;
+  const tree_held instances = {.buffer = state->now->buffer, .size = state->now->size}, held = tree_pool_held(device);
+  const tree_held meshes = held.buffer ? held : instances;
+  binding->native_ray_meshes = gpu_buffer_native(device->gpu, meshes.buffer);
+  binding->ray_meshes_size = meshes.size;
+  binding->native_ray_instances = gpu_buffer_native(device->gpu, instances.buffer);
+  binding->ray_instances_size = instances.size;
 }
 
 const technique technique_ray_instances = {
@@ -407,5 +422,6 @@ const technique technique_ray_instances = {
     .reserve = reserve,
     .write = write,
     .record = record,
+    .bind = bind,
     .tell = tell,
 };

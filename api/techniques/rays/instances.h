@@ -11,7 +11,8 @@ extern const technique technique_ray_instances;
 
 /* What the last recording left on the device; NULL: none, or no filter asks for it. */
 gpu_buffer *ray_instances_buffer(const technique_set *cascades);
-/* Tells the constants of a plan where they lie: csm_constants.h's CSM_R_LOW.w, CSM_R_SCALE and CSM_R_OFFSET. */
+/* Tells the constants of a plan where they lie: csm_constants.h's CSM_R_LOW.w, CSM_R_SCALE and CSM_R_OFFSET; and
+   CSM_R_UNSURE.z. */
 void ray_instances_write(const technique_set *cascades, const plan_frame *frame, void *constants);
 
 #endif

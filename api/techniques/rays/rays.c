@@ -182,6 +182,8 @@ static csm_result reserve_list(rays_state *state, device *device, const techniqu
 static csm_result reserve_reads(rays_state *state, technique_run *run) {
   const technique_picture *picture = run->picture;
   gpu_buffer *constants = picture->mask_constants.buffer;
+  gpu_buffer *instances = ray_instances_buffer(run->cascades);
+  gpu_buffer *meshes = tree_pool_buffer(run->device); /* NULL: no mesh has a tree, and no row is read */
   const gpu_buffer_part list = {.buffer = (state->fresh ? state->fresh : state->now)->buffer,
                                 .stride = sizeof(uint32_t)};
   const gpu_bindings_info reads[steps] = {
@@ -198,8 +200,8 @@ static csm_result reserve_reads(rays_state *state, technique_run *run) {
        .program = state->programs[2],
        .constants = {constants, constants},
        .textures = {picture->depth, picture->depth},
-       .buffers = {{.buffer = tree_pool_buffer(run->device), .stride = TREE_POOL_ROW},
-                   {.buffer = ray_instances_buffer(run->cascades), .stride = TREE_POOL_ROW}},
+       .buffers = {{.buffer = meshes ? meshes : instances, .stride = TREE_POOL_ROW},
+                   {.buffer = instances, .stride = TREE_POOL_ROW}},
        .store_buffers = {list},
        .store_images = {picture->mask_stores}}};
   csm_result result = CSM_SUCCESS;
@@ -254,11 +256,11 @@ static csm_result reserve_counting(rays_state *state, device *device) {
   return CSM_SUCCESS;
 }
 
-/* Views of other things send none, nor is there anything to meet where no mesh was ever made. */
+/* Views of other things send none. */
 static bool sends(const technique_run *run) {
   const uint32_t show = run->picture->show;
   return (show == CSM_SHOW_RAYS || show == CSM_SHOW_VISIBILITY || history_takes(run->config, run->picture)) &&
-         tree_pool_buffer(run->device) && ray_instances_buffer(run->cascades);
+         ray_instances_buffer(run->cascades);
 }
 
 static csm_result reserve(void *self, technique_run *run, const ring_range *ring) {
