@@ -9,8 +9,8 @@ enum { HILLS = 2, FIRST_HILL = SUPPORT_INSTANCES - HILLS };
 static const picture_size size = {192, 128};
 
 /* The scene, whose last instances are hills: they matter to every map. */
-static void open_hills(stage *stage, rig *rig, const hill *hill) {
-  stage_open(stage, rig);
+static void open_hills(stage *stage, rig *rig, const hill *hill, uint32_t flags) {
+  stage_open_with(stage, rig, flags);
   const csm_mesh mesh = hill_mesh(stage->context, hill, 2);
   stage->scene.instances[FIRST_HILL] = support_instance(mesh, -4, 3, -3, 2, 1, 3);
   stage->scene.instances[FIRST_HILL + 1] = support_instance(mesh, 5, 9, -12, 4, 2, 2);
@@ -167,12 +167,12 @@ static void draw_of_kind(const kind *kind) {
   stage own, stage;
   hill hill;
   hill_make(&hill);
-  open_hills(&own, NULL, &hill);
+  open_hills(&own, NULL, &hill, 0);
   configure(&own, kind);
   picture by_csm = stage_draw_at(&own, 0, size);
   stage_close(&own);
   rig *rig = rig_open(kind->rig);
-  open_hills(&stage, rig, &hill);
+  open_hills(&stage, rig, &hill, 0);
   configure(&stage, kind);
   caster caster = open_caster(&stage, &hill);
   picture by_nobody = draw(&stage, FIRST_HILL, NULL);
@@ -204,7 +204,7 @@ static void all_casters_may_be_the_engines(void **state) {
   hill hill;
   hill_make(&hill);
   rig *rig = rig_open(RIG_TYPICAL);
-  open_hills(&stage, rig, &hill);
+  open_hills(&stage, rig, &hill, 0);
   caster caster = open_caster(&stage, &hill);
   picture drawn = draw(&stage, 0, &caster);
   check_calls(&caster, rig_commands(rig));
@@ -218,10 +218,47 @@ static void all_casters_may_be_the_engines(void **state) {
   rig_close(rig);
 }
 
+/* No ray meets what a callback draws, beside so many instances: where the map calls it dark there is no light. */
+static void leave_to_maps(uint32_t instance_count) {
+  stage stage;
+  hill hill;
+  hill_make(&hill);
+  rig *rig = rig_open(RIG_MODERN);
+  open_hills(&stage, rig, &hill, CSM_CREATE_RAYS);
+  caster caster = open_caster(&stage, &hill);
+  stage.config.filter = CSM_FILTER_PCF_3X3;
+  stage_configure(&stage);
+  picture by_map = draw(&stage, instance_count, &caster);
+  caster.count = 0;
+  stage.config.filter = CSM_FILTER_EXACT;
+  stage_configure(&stage);
+  picture by_rays = draw(&stage, instance_count, &caster);
+  const picture_layer *map = &by_map.layers[by_map.count - 1], *rays = &by_rays.layers[by_rays.count - 1];
+  uint32_t dark = 0, between = 0;
+  for (uint32_t i = 0; i < map->width * map->height; ++i) {
+    dark += map->texels[i] < 0.25f;
+    between += rays->texels[i] > 0.0f && rays->texels[i] < 1.0f;
+    assert_false(map->texels[i] < 0.25f && rays->texels[i] > 0.75f);
+  }
+  assert_true(dark > 100 && between > 20);
+  picture_free(&by_map);
+  picture_free(&by_rays);
+  rig_caster_free(caster.hills);
+  stage_close(&stage);
+  rig_close(rig);
+}
+
+static void no_ray_meets_the_engines_casters(void **state) {
+  (void)state;
+  leave_to_maps(FIRST_HILL);
+  leave_to_maps(0);
+}
+
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(own_casters_are_drawn),
       cmocka_unit_test(all_casters_may_be_the_engines),
+      cmocka_unit_test(no_ray_meets_the_engines_casters),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
 }

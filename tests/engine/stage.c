@@ -11,10 +11,11 @@ csm_create_info stage_create_info(rig *rig, record *record) {
   return info;
 }
 
-void stage_open(stage *stage, rig *rig) {
+void stage_open_with(stage *stage, rig *rig, uint32_t flags) {
   char text[512] = "";
   *stage = (struct stage){.rig = rig};
   csm_create_info info = stage_create_info(rig, &stage->record);
+  info.flags |= flags;
   info.error = text;
   info.error_size = sizeof text;
   const csm_result result = csm_create(&info, &stage->context);
@@ -25,6 +26,10 @@ void stage_open(stage *stage, rig *rig) {
   assert_int_equal(csm_cascades_create(stage->context, &stage->config, &stage->cascades), CSM_SUCCESS);
   stage->view = support_view(stage->context);
   support_scene_make(&stage->scene, stage->context);
+}
+
+void stage_open(stage *stage, rig *rig) {
+  stage_open_with(stage, rig, 0);
 }
 
 void stage_close(stage *stage) {

@@ -13,7 +13,7 @@ TYPES = {"csm_float2", "csm_float3", "csm_float4", "csm_uint4", "csm_mad"}  # of
 
 
 def names_of(text):
-    functions = re.findall(r"^(?:float|int|bool|csm_\w+) (csm_\w+)\(", text, re.M)
+    functions = re.findall(r"^(?:float|int|uint|bool|csm_\w+) (csm_\w+)\(", text, re.M)
     structs = re.findall(r"^struct (csm_\w+)", text, re.M)
     tables = re.findall(r"^CSM_(?:STATIC|GLOBAL) \w+ (csm_\w+)", text, re.M)
     made = re.findall(r"^CSM_(?:BOX|EARLY)\((csm_\w+)", text, re.M)
