@@ -12,9 +12,14 @@ csm_create_info stage_create_info(rig *rig, record *record) {
 }
 
 void stage_open(stage *stage, rig *rig) {
+  stage_open_with(stage, rig, 0);
+}
+
+void stage_open_with(stage *stage, rig *rig, uint32_t flags) {
   char text[512] = "";
   *stage = (struct stage){.rig = rig};
   csm_create_info info = stage_create_info(rig, &stage->record);
+  info.flags |= flags;
   info.error = text;
   info.error_size = sizeof text;
   const csm_result result = csm_create(&info, &stage->context);

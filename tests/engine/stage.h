@@ -17,6 +17,8 @@ typedef struct stage {
 /* A context that is about to be made on the rig, with its record. */
 csm_create_info stage_create_info(rig *rig, record *record);
 void stage_open(stage *stage, rig *rig);
+/* Likewise, with more CSM_CREATE_*. */
+void stage_open_with(stage *stage, rig *rig, uint32_t flags);
 /* Runs and retires what was recorded, and destroys the context; asserts that nothing is left and nothing was said. */
 void stage_close(stage *stage);
 
