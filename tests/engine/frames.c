@@ -37,12 +37,14 @@ static const step steps[STEPS] = {
 /* A stage that goes through steps. */
 typedef struct walk {
   stage stage;
+  bool rays; /* filter exact in place of pcf_3x3 */
   csm_instance instances[SUPPORT_INSTANCES + 1];
   csm_mesh hill; /* 0: not there */
 } walk;
 
-static void walk_open(walk *walk, rig *rig) {
-  stage_open(&walk->stage, rig);
+static void walk_open(walk *walk, rig *rig, bool rays) {
+  stage_open_with(&walk->stage, rig, rays ? CSM_CREATE_RAYS : 0);
+  walk->rays = rays;
   walk->hill = 0;
   memcpy(walk->instances, walk->stage.scene.instances, sizeof walk->stage.scene.instances);
 }
@@ -64,7 +66,7 @@ static void take_step(walk *walk, const step *step) {
   const csm_config before = stage->config;
   stage->config.cascade_count = step->cascades;
   stage->config.resolution = step->resolution;
-  stage->config.filter = step->filter;
+  stage->config.filter = walk->rays && step->filter == CSM_FILTER_PCF_3X3 ? CSM_FILTER_EXACT : step->filter;
   if (memcmp(&before, &stage->config, sizeof before))
     stage_configure(stage);
   if (step->anew) {
@@ -114,9 +116,9 @@ static void draw_ahead(walk *walk, picture *drawn) {
 }
 
 /* What an own device draws at each step. */
-static void draw_expected(picture *expected) {
+static void draw_expected(picture *expected, bool rays) {
   walk own;
-  walk_open(&own, NULL);
+  walk_open(&own, NULL, rays);
   for (uint32_t i = 0; i < STEPS; ++i) {
     take_step(&own, &steps[i]);
     shot shot = walk_shot(&own, &steps[i]);
@@ -133,12 +135,12 @@ static void free_all(picture *pictures) {
     picture_free(&pictures[i]);
 }
 
-static void frames_wait_on(rig_kind kind) {
+static void frames_wait_on(rig_kind kind, bool rays) {
   picture expected[STEPS], drawn[STEPS];
   walk walk;
-  draw_expected(expected);
+  draw_expected(expected, rays);
   rig *rig = rig_open(kind);
-  walk_open(&walk, rig);
+  walk_open(&walk, rig, rays);
   draw_ahead(&walk, drawn);
   for (uint32_t i = 0; i < STEPS; ++i)
     picture_expect_equal(&expected[i], &drawn[i]);
@@ -149,17 +151,28 @@ static void frames_wait_on(rig_kind kind) {
 
 static void frames_wait_on_a_typical_device(void **state) {
   (void)state;
-  frames_wait_on(RIG_TYPICAL);
+  frames_wait_on(RIG_TYPICAL, false);
 }
 
 static void frames_wait_on_a_bare_device(void **state) {
   (void)state;
-  frames_wait_on(RIG_BARE);
+  frames_wait_on(RIG_BARE, false);
 }
 
 static void frames_wait_on_a_modern_device(void **state) {
   (void)state;
-  frames_wait_on(RIG_MODERN);
+  frames_wait_on(RIG_MODERN, false);
+}
+
+/* Trees and lists of pixels are each frame's own. */
+static void rays_wait_on_a_typical_device(void **state) {
+  (void)state;
+  frames_wait_on(RIG_TYPICAL, true);
+}
+
+static void rays_wait_on_a_modern_device(void **state) {
+  (void)state;
+  frames_wait_on(RIG_MODERN, true);
 }
 
 /* ---- what lives how long ---- */
@@ -231,13 +244,13 @@ static void cascades_share_a_context(void **state) {
   picture_copy copies[2];
   walk walks[2];
   for (int i = 0; i < 2; ++i) {
-    walk_open(&walks[1], NULL);
+    walk_open(&walks[1], NULL, false);
     take_step(&walks[1], &both[i]);
     expected[i] = stage_draw_at(&walks[1].stage, both[i].time, both[i].mask);
     stage_close(&walks[1].stage);
   }
   rig *rig = rig_open(RIG_TYPICAL);
-  walk_open(&walks[0], rig);
+  walk_open(&walks[0], rig, false);
   walks[1] = walks[0];
   stage *first = &walks[0].stage, *second = &walks[1].stage;
   assert_int_equal(csm_cascades_create(first->context, &first->config, &second->cascades), CSM_SUCCESS);
@@ -375,10 +388,10 @@ static void contexts_on_two_threads(void **state) {
   (void)state;
   static worker workers[2];
   picture expected[STEPS];
-  draw_expected(expected);
+  draw_expected(expected, false);
   for (int i = 0; i < 2; ++i) {
     workers[i].rig = rig_open(RIG_TYPICAL);
-    walk_open(&workers[i].walk, workers[i].rig);
+    walk_open(&workers[i].walk, workers[i].rig, false);
   }
   for (int i = 0; i < 2; ++i)
     assert_int_equal(pthread_create(&workers[i].thread, NULL, draw_on_thread, &workers[i]), 0);
@@ -398,6 +411,8 @@ int main(int argc, char **argv) {
       cmocka_unit_test(frames_wait_on_a_typical_device),
       cmocka_unit_test(frames_wait_on_a_bare_device),
       cmocka_unit_test(frames_wait_on_a_modern_device),
+      cmocka_unit_test(rays_wait_on_a_typical_device),
+      cmocka_unit_test(rays_wait_on_a_modern_device),
       cmocka_unit_test(destruction_waits_for_the_frame),
       cmocka_unit_test(uploads_wait_for_nobody),
       cmocka_unit_test(cascades_share_a_context),

@@ -73,6 +73,24 @@ static void a_device_that_clips_is_refused(void **state) {
   rig_close(rig);
 }
 
+/* ---- a device whose shaders cannot write masks ---- */
+
+static void a_bare_device_sends_no_rays(void **state) {
+  (void)state;
+  stage stage;
+  rig *rig = rig_open(RIG_BARE);
+  stage_open_with(&stage, rig, CSM_CREATE_RAYS);
+  stage.record.quiet = true;
+  stage.config.filter = CSM_FILTER_EXACT;
+  assert_int_equal(csm_cascades_configure(stage.cascades, &stage.config), CSM_ERROR_UNSUPPORTED);
+  assert_non_null(strstr(csm_last_error(stage.context), "shaderStorageImageExtendedFormats"));
+  picture drawn = stage_draw_at(&stage, 0, (picture_size){64, 48}); /* as it was configured before */
+  picture_expect_casters(&drawn, drawn.count - 1);
+  picture_free(&drawn);
+  stage_close(&stage);
+  rig_close(rig);
+}
+
 /* ---- what csm asks for ---- */
 
 /* All that csm may record; csm_vulkan.h tells what these leave changed. */
@@ -199,7 +217,7 @@ int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_clamp_follows_the_engine), cmocka_unit_test(a_device_that_clips_is_refused),
       cmocka_unit_test(the_engines_cache_is_used),    cmocka_unit_test(asks_for_no_more_than_it_may),
-      cmocka_unit_test(a_foreign_image_is_refused),
+      cmocka_unit_test(a_foreign_image_is_refused),   cmocka_unit_test(a_bare_device_sends_no_rays),
   };
   char *arguments[] = {argv[0], (char *)"vulkan"};
   return gpu ? support_main(2, arguments, tests, sizeof tests / sizeof tests[0]) : 2;
