@@ -332,8 +332,9 @@ CSM_API csm_result CSM_CALL csm_scene_remove(csm_scene *scene, uint32_t count, c
 /*
  * Makes the cascades of one light seen from one camera, with their maps.
  * Errors: NULL_POINTER, STRUCT_SIZE, NOT_FINITE, INVALID_VALUE (a field out of range, named in the text; manual splits
- * that do not rise), UNSUPPORTED (polygon_offset_clamp on a device without depthBiasClamp), LIMIT_EXCEEDED (resolution
- * or memory), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE_LOST, DEVICE. *cascades is NULL after an error.
+ * that do not rise), UNSUPPORTED (polygon_offset_clamp on a device without depthBiasClamp; moments or rays on one that
+ * cannot compute or store them), INVALID_STATE (filter exact or exact_soft without CSM_CREATE_RAYS), LIMIT_EXCEEDED
+ * (resolution or memory), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE_LOST, DEVICE. *cascades is NULL after an error.
  * [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_cascades_create(csm_context *context, const csm_config *config,
