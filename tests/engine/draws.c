@@ -223,7 +223,7 @@ static void leave_to_maps(uint32_t instance_count) {
   stage stage;
   hill hill;
   hill_make(&hill);
-  rig *rig = rig_open(RIG_MODERN);
+  rig *rig = rig_open(RIG_TYPICAL);
   open_hills(&stage, rig, &hill, CSM_CREATE_RAYS);
   caster caster = open_caster(&stage, &hill);
   stage.config.filter = CSM_FILTER_PCF_3X3;
