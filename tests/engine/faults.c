@@ -55,6 +55,9 @@ static void a_lost_device_can_be_left(void **state) {
   config.caster_set = CSM_CASTER_SET_VIEW;
   config.history = CSM_HISTORY_ON;
   lose_and_leave(&props, &config);
+  config = life_config(2);
+  config.filter = CSM_FILTER_EXACT;
+  lose_and_leave(&props, &config);
   props_close(&props);
   rig_close(rig);
 }

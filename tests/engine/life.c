@@ -70,7 +70,7 @@ static csm_result CSM_CALL supply(void *user, csm_mesh mesh, csm_mesh_info *info
 static csm_create_info create_info(life *life) {
   csm_create_info info = stage_create_info(life->props->rig, &life->record);
   life->record.quiet = true;
-  info.flags = CSM_CREATE_KEEP_GEOMETRY;
+  info.flags = CSM_CREATE_KEEP_GEOMETRY | CSM_CREATE_RAYS;
   info.supply = supply;
   return info;
 }

@@ -21,7 +21,7 @@ typedef enum rig_kind {
   RIG_TYPICAL, /* as engines open their devices */
   RIG_BARE,    /* with no more than csm requires; the same as the typical one where there is nothing to leave out */
   RIG_MODERN,  /* with all that an engine may lend: its allocator, its pipeline cache, dynamic rendering */
-  RIG_FAILING  /* bare, and any call of csm's can be made to fail; one in a program */
+  RIG_FAILING  /* bare but for what rays need, and any call of csm's can be made to fail; one in a program */
 } rig_kind;
 
 rig *rig_open(rig_kind kind);

@@ -11,10 +11,10 @@
 /* How an engine's device is opened. */
 typedef struct device_wish {
   uint32_t version;
-  bool rich;   /* depthBiasClamp and debug utils */
-  bool clamps; /* depthClamp is on */
-  bool lends;  /* memory, a pipeline cache and dynamic rendering */
-  bool failing;
+  bool rich;    /* depthBiasClamp, shaders that write masks, and debug utils */
+  bool clamps;  /* depthClamp is on */
+  bool lends;   /* memory, a pipeline cache and dynamic rendering; shaders that write masks */
+  bool failing; /* shaders write masks, so that all may fail */
 } device_wish;
 
 /* As Godot 4.6 opens one: 1.2 without any of its features. */
@@ -106,8 +106,10 @@ static void open_device(rig *rig, device_wish wish) {
   const VkResult found = vkEnumeratePhysicalDevices(rig->instance, &count, &rig->physical);
   rig_vulkan_must(count == 1 && found >= 0 ? VK_SUCCESS : VK_ERROR_INITIALIZATION_FAILED, "a Vulkan device");
   rig->family = graphics_family(rig->physical);
-  rig->features = (VkPhysicalDeviceFeatures){
-      .depthClamp = wish.clamps, .depthBiasClamp = wish.rich, .shaderStorageImageExtendedFormats = wish.rich};
+  rig->features =
+      (VkPhysicalDeviceFeatures){.depthClamp = wish.clamps,
+                                 .depthBiasClamp = wish.rich,
+                                 .shaderStorageImageExtendedFormats = wish.rich || wish.lends || wish.failing};
   const float priority = 1;
   const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                          .queueFamilyIndex = rig->family,
