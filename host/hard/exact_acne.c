@@ -109,7 +109,7 @@ static int draw_yard(hard_run *run, const yard *of) {
   int code = hard_load(run, &setup);
   for (uint32_t i = 0; of->origin > 0.0 && i < run->stage_count; i++)
     run->stages[i].frame.origin = origin;
-  for (int i = 0; code == 0 && i < (run->sweep ? 24 : 4); i++) {
+  for (int i = 0; code == 0 && i < (run->sweep ? 24 : 3); i++) {
     const double height = fmax(heights[run->sweep ? i % 6 : i], of->lowest);
     const scene_light sun = hard_sun(height, azimuths[run->sweep ? i / 6 : i]);
     code = exact_judge(run, &sun, &asked, &truth);

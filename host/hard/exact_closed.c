@@ -121,13 +121,13 @@ static int draw_shell(hard_run *run, const shell *of, double half, const double 
   snprintf(what, sizeof what, "in %s of %.0e m%s", of->name, half, at[0] != 0.0 ? ", far away" : "");
   const exact_asked asked = {.what = what, .margin = {.cosine = 0.1}, .closed = true};
   int code = hard_load(run, &setup);
-  for (uint32_t i = 0; code == 0 && i < (run->sweep ? 32 : 12); i++) {
+  for (uint32_t i = 0; code == 0 && i < (run->sweep ? 32 : 8); i++) {
     scene_light light;
     light_way(&light, run->sweep ? i : i + i / 6 * 4);
     code = exact_judge(run, &light, &asked, &truth);
     turned += code ? 0 : count_turned(&truth, asked.margin.cosine);
   }
-  hard_figure_add(run, turned > 10000 ? 0.0 : 1.0, 0.0, "1", "shells of which next to nothing could be judged");
+  hard_figure_add(run, turned > 5000 ? 0.0 : 1.0, 0.0, "1", "shells of which next to nothing could be judged");
   hard_truth_free(&truth);
   hard_unload(run);
   setup_free(&setup);
