@@ -54,8 +54,7 @@ static layout lay_out(const csm_mesh_info *info) {
   return out;
 }
 
-/* Positions, three floats each, less the offset: the differences are exact, see plan_bounds. */
-static void write_positions(float *to, const void *positions, uint32_t stride, uint32_t count, const double *offset) {
+void geometry_positions(float *to, const void *positions, uint32_t stride, uint32_t count, const double *offset) {
   const char *from = positions;
   for (uint32_t i = 0; i < count; ++i, from += stride, to += 3) {
     memcpy(to, from, position_bytes);
@@ -64,15 +63,18 @@ static void write_positions(float *to, const void *positions, uint32_t stride, u
   }
 }
 
-static void read_corner(double out[3], const csm_mesh_info *info, uint32_t corner) {
+uint32_t geometry_index(const csm_mesh_info *info, uint32_t corner) {
   const char *at = (const char *)info->indices + (size_t)corner * info->index_size;
   uint32_t wide;
   uint16_t narrow;
-  float p[3];
   memcpy(&wide, at, info->index_size == 4 ? sizeof wide : 0);
   memcpy(&narrow, at, sizeof narrow);
-  const uint32_t index = info->index_size == 4 ? wide : narrow;
-  memcpy(p, (const char *)info->positions + (size_t)index * info->position_stride, sizeof p);
+  return info->index_size == 4 ? wide : narrow;
+}
+
+static void read_corner(double out[3], const csm_mesh_info *info, uint32_t corner) {
+  float p[3];
+  memcpy(p, (const char *)info->positions + (size_t)geometry_index(info, corner) * info->position_stride, sizeof p);
   for (int axis = 0; axis < 3; ++axis)
     out[axis] = p[axis];
 }
@@ -124,7 +126,7 @@ static uint32_t write_indices(char *to, const csm_mesh_info *info) {
 
 /* Gives the number of indices to draw. */
 static uint32_t write_mesh(char *memory, const csm_mesh_info *info, const layout *layout, const double *offset) {
-  write_positions((float *)memory, info->positions, info->position_stride, info->vertex_count, offset);
+  geometry_positions((float *)memory, info->positions, info->position_stride, info->vertex_count, offset);
   for (uint32_t i = 0; i < info->vertex_count && info->alpha_mask; ++i)
     memcpy(memory + layout->uvs + (size_t)i * uv_bytes, (const char *)info->uvs + (size_t)i * info->uv_stride,
            uv_bytes);
@@ -285,7 +287,7 @@ csm_result geometry_update(device *device, uint32_t index, const csm_mesh_update
   const csm_result result = uploads_write(device, device->geometry.places[index]->piece, size, &memory);
   if (result)
     return result;
-  write_positions(memory, info->positions, info->position_stride, shape->vertex_count, offset);
+  geometry_positions(memory, info->positions, info->position_stride, shape->vertex_count, offset);
   device->geometry.meshes[index].index_count = shape->index_count; /* what had no area may have one now */
   return CSM_SUCCESS;
 }

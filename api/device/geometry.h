@@ -19,6 +19,10 @@ typedef struct mesh_traced {
   tree_bytes bytes;
 } mesh_traced;
 
+/* The vertex at a corner of a copied mesh, of any alignment. */
+uint32_t geometry_index(const csm_mesh_info *info, uint32_t corner);
+/* Positions as they are stored, three floats each, less the offset: the differences are exact, see plan_bounds. */
+void geometry_positions(float *to, const void *positions, uint32_t stride, uint32_t count, const double *offset);
 /* Makes room for meshes in `capacity` places. */
 csm_result geometry_reserve(device *device, uint32_t capacity);
 /*

@@ -61,6 +61,12 @@ void *host_grown_copy(host *host, const void *old, size_t count, size_t capacity
   return grown;
 }
 
+void *host_carve(char **at, size_t size) {
+  char *piece = *at;
+  *at += (size + HOST_CARVED - 1) / HOST_CARVED * HOST_CARVED;
+  return piece;
+}
+
 csm_result host_fail(host *host, csm_result result, const char *format, ...) {
   va_list arguments;
   va_start(arguments, format);

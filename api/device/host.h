@@ -4,6 +4,8 @@
 
 #include "csm/csm.h"
 
+enum { HOST_CARVED = 16 };
+
 typedef struct host {
   csm_allocate_function allocate;
   csm_release_function release;
@@ -24,6 +26,8 @@ void host_release(host *host, void *memory);
 csm_result host_grow(host *host, void **memory, size_t *capacity, size_t size);
 /* A larger copy of an array; NULL with the error set. `old` stays. */
 void *host_grown_copy(host *host, const void *old, size_t count, size_t capacity, size_t size);
+/* Takes an array off the front of a block; what follows is aligned to HOST_CARVED. */
+void *host_carve(char **at, size_t size);
 
 /* Keeps and logs an error's text, and returns `result`. */
 csm_result host_fail(host *host, csm_result result, const char *format, ...) __attribute__((format(printf, 3, 4)));

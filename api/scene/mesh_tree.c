@@ -19,27 +19,10 @@ static triangle *triangles_of(const mesh_tree *tree) {
   return (triangle *)((char *)tree->bytes.memory + (size_t)tree->rays.triangle_row * TREE_POOL_ROW);
 }
 
-static uint32_t read_index(const csm_mesh_info *info, uint32_t corner) {
-  const char *at = (const char *)info->indices + (size_t)corner * info->index_size;
-  uint32_t wide = 0;
-  uint16_t narrow;
-  memcpy(&narrow, at, sizeof narrow);
-  if (info->index_size == sizeof wide)
-    memcpy(&wide, at, sizeof wide);
-  return info->index_size == sizeof wide ? wide : narrow;
-}
-
-/* As geometry.c stores them. */
-static void read_position(float out[3], const void *positions, uint32_t stride, uint32_t vertex, const double *offset) {
-  memcpy(out, (const char *)positions + (size_t)vertex * stride, 3 * sizeof *out);
-  for (int axis = 0; axis < 3; ++axis)
-    out[axis] = (float)(out[axis] - offset[axis]);
-}
-
 static void read_triangle(triangle out, const void *positions, uint32_t stride, const uint32_t *corners,
                           const double *offset) {
   for (int i = 0; i < 3; ++i) {
-    read_position(out[i], positions, stride, corners[i], offset);
+    geometry_positions(out[i], (const char *)positions + (size_t)corners[i] * stride, stride, 1, offset);
     out[i][3] = 0.0f;
   }
 }
@@ -63,23 +46,18 @@ typedef struct room {
   void *scratch;
 } room;
 
-static char *carve(char **at, size_t size) {
-  char *piece = *at;
-  *at += (size + 15) / 16 * 16;
-  return piece;
-}
-
 static void *make_room(room *out, host *host, uint32_t count) {
   const size_t nodes = tree_nodes_most(count) * sizeof(tree_node), boxes = count * sizeof(tree_box);
   const size_t corners = 3 * (size_t)count * sizeof(uint32_t), order = count * sizeof(uint32_t);
-  char *block = host_allocate(host, nodes + boxes + corners + order + tree_scratch_size(count) + 5 * 16), *at = block;
+  const size_t scratch = tree_scratch_size(count);
+  char *block = host_allocate(host, nodes + boxes + corners + order + scratch + 5 * HOST_CARVED), *at = block;
   if (!block)
     return NULL;
-  out->nodes = (tree_node *)(void *)carve(&at, nodes);
-  out->boxes = (tree_box *)(void *)carve(&at, boxes);
-  out->corners = (uint32_t *)(void *)carve(&at, corners);
-  out->order = (uint32_t *)(void *)carve(&at, order);
-  out->scratch = carve(&at, tree_scratch_size(count));
+  out->nodes = host_carve(&at, nodes);
+  out->boxes = host_carve(&at, boxes);
+  out->corners = host_carve(&at, corners);
+  out->order = host_carve(&at, order);
+  out->scratch = host_carve(&at, scratch);
   return block;
 }
 
@@ -88,7 +66,7 @@ static void read_mesh(room *room, const csm_mesh_info *info, const double *offse
   for (uint32_t i = 0; i < info->index_count / 3; ++i) {
     triangle t;
     for (uint32_t k = 0; k < 3; ++k)
-      room->corners[3 * i + k] = read_index(info, 3 * i + k);
+      room->corners[3 * i + k] = geometry_index(info, 3 * i + k);
     read_triangle(t, info->positions, info->position_stride, &room->corners[3 * i], offset);
     room->boxes[i] = box_of(t);
   }

@@ -154,28 +154,22 @@ static void end(void *self, host *host) {
 
 /* ---- the tree ---- */
 
-static char *carve(char **at, size_t size) {
-  char *piece = *at;
-  *at += (size + 15) / 16 * 16;
-  return piece;
-}
-
 static csm_result make_room(instance_tree *tree, host *host, uint32_t slots) {
   if (slots <= tree->capacity)
     return CSM_SUCCESS;
   const uint32_t capacity = slots + slots / 2;
   const size_t nodes = tree_nodes_most(capacity) * sizeof(tree_node), boxes = capacity * sizeof(tree_box);
   const size_t list = capacity * sizeof(uint32_t), scratch = tree_scratch_size(capacity);
-  char *block = host_allocate(host, nodes + boxes + 2 * list + scratch + 5 * 16), *at = block;
+  char *block = host_allocate(host, nodes + boxes + 2 * list + scratch + 5 * HOST_CARVED), *at = block;
   if (!block)
     return CSM_ERROR_OUT_OF_MEMORY;
   host_release(host, tree->block);
   *tree = (instance_tree){.block = block, .capacity = capacity};
-  tree->nodes = (tree_node *)(void *)carve(&at, nodes);
-  tree->boxes = (tree_box *)(void *)carve(&at, boxes);
-  tree->order = (uint32_t *)(void *)carve(&at, list);
-  tree->slots = (uint32_t *)(void *)carve(&at, list);
-  tree->scratch = carve(&at, scratch);
+  tree->nodes = host_carve(&at, nodes);
+  tree->boxes = host_carve(&at, boxes);
+  tree->order = host_carve(&at, list);
+  tree->slots = host_carve(&at, list);
+  tree->scratch = host_carve(&at, scratch);
   return CSM_SUCCESS;
 }
 
