@@ -12,7 +12,8 @@
  * Registers, as HLSL has them, all in space 0:
  *   b0 to b1      constants, each at a dynamic offset of an upload buffer
  *   t0 to t7      textures
- *   t8 to t15     buffers that shaders read: StructuredBuffer, ByteAddressBuffer
+ *   t8 to t11     buffers that shaders read: StructuredBuffer, ByteAddressBuffer
+ *   t12 to t15    and those that they read as rows of four whole numbers: Buffer<uint4>
  *   u0 to u3      images that shaders write: RWTexture2D, RWTexture2DArray
  *   u4 to u7      buffers that shaders write: RWStructuredBuffer, without a counter
  *   s0 to s3      samplers
@@ -120,7 +121,7 @@ enum {
 typedef struct gpu_capabilities {
   uint32_t formats[GPU_FORMAT_COUNT]; /* GPU_CAN_* */
   uint32_t max_anisotropy;            /* of GPU_SAMPLER_ANISOTROPIC_CLAMP; 1: program_create refuses that sampler */
-  uint64_t max_storage_size;          /* bytes of one buffer that shaders see at once */
+  uint64_t max_texels_size;           /* bytes of one buffer that shaders read as rows */
   uint32_t max_buffers;               /* that a program reads and writes, together */
   bool compute;                       /* compute programs and dispatches */
   bool indirect;                      /* indirect draws and dispatches */
@@ -175,16 +176,18 @@ typedef enum gpu_buffer_kind {
 
 /* What a buffer is for besides what its kind says. */
 enum {
-  GPU_BUFFER_READ = 1u << 0,    /* by shaders, at t8 and on */
-  GPU_BUFFER_WRITE = 1u << 1,   /* by shaders, at u4 and on; of kind DEVICE */
-  GPU_BUFFER_INDIRECT = 1u << 2 /* arguments of draws and dispatches */
+  GPU_BUFFER_READ = 1u << 0,     /* by shaders, at t8 and on */
+  GPU_BUFFER_WRITE = 1u << 1,    /* by shaders, at u4 and on; of kind DEVICE */
+  GPU_BUFFER_INDIRECT = 1u << 2, /* arguments of draws and dispatches */
+  GPU_BUFFER_TEXELS =
+      1u << 3 /* with READ: at t12 and on, too; its size is a multiple of 16, and at most max_texels_size */
 };
 
 typedef struct gpu_buffer_info {
   const char *name;
   gpu_buffer_kind kind;
   uint64_t size;
-  uint32_t usage; /* GPU_BUFFER_READ, WRITE, INDIRECT */
+  uint32_t usage; /* GPU_BUFFER_READ, WRITE, INDIRECT, TEXELS */
 } gpu_buffer_info;
 
 /* The engine's own buffers of a mesh, taken in; the two may be one. */
@@ -336,11 +339,14 @@ typedef struct gpu_raster_bias {
 #define GPU_MAX_ATTRIBUTES 8
 #define GPU_MAX_CONSTANTS 2
 #define GPU_MAX_TEXTURES 8
-#define GPU_MAX_BUFFERS 8
+#define GPU_MAX_BUFFERS 4
+#define GPU_MAX_TEXEL_BUFFERS 4
+#define GPU_TEXEL_SIZE 16
 #define GPU_MAX_STORES 4 /* of images, and of buffers */
 #define GPU_MAX_SAMPLERS 4
-#define GPU_FIRST_BUFFER 8       /* t8 */
-#define GPU_FIRST_STORE_BUFFER 4 /* u4 */
+#define GPU_FIRST_BUFFER 8        /* t8 */
+#define GPU_FIRST_TEXEL_BUFFER 12 /* t12 */
+#define GPU_FIRST_STORE_BUFFER 4  /* u4 */
 
 /* A program that draws, or one that computes. The latter has no streams, attributes and formats. */
 typedef struct gpu_program_info {
@@ -356,6 +362,7 @@ typedef struct gpu_program_info {
   uint32_t constants_sizes[GPU_MAX_CONSTANTS]; /* bytes visible at each */
   uint32_t texture_count;                      /* t0.. */
   uint32_t buffer_count;                       /* t8.. */
+  uint32_t texel_buffer_count;                 /* t12.. */
   uint32_t store_image_count;                  /* u0..; a program with a colour target has none: u0 is taken then */
   uint32_t store_buffer_count;                 /* u4.. */
   uint32_t sampler_count;                      /* s0.. */
@@ -386,6 +393,7 @@ typedef struct gpu_bindings_info {
   gpu_image *textures[GPU_MAX_TEXTURES];     /* all of each */
   gpu_view *texture_views[GPU_MAX_TEXTURES]; /* not NULL: it takes the place of textures[i] */
   gpu_buffer_part buffers[GPU_MAX_BUFFERS];
+  gpu_buffer *texel_buffers[GPU_MAX_TEXEL_BUFFERS]; /* all of each */
   gpu_view *store_images[GPU_MAX_STORES];
   gpu_buffer_part store_buffers[GPU_MAX_STORES];
 } gpu_bindings_info;

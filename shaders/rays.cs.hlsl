@@ -6,8 +6,8 @@
 #include "private/mask_inputs_fill.hlsl"
 #include "private/rays.h"
 
-StructuredBuffer<uint4> csm_meshes : register(t8);
-StructuredBuffer<uint4> csm_instances : register(t9);
+Buffer<uint4> csm_meshes : register(t12);
+Buffer<uint4> csm_instances : register(t13);
 RWStructuredBuffer<uint> list : register(u4);
 #if RAYS_MIXED
 #define RAYS_LEVELS 65535.0

@@ -20,7 +20,7 @@ static void outgrown_free(device *device, retired *self) {
 }
 
 static csm_result check_size(const device *device, uint64_t size) {
-  const uint64_t most = device->info.can.max_storage_size;
+  const uint64_t most = device->info.can.max_texels_size;
   return size <= most ? CSM_SUCCESS
                       : host_fail(device->host, CSM_ERROR_LIMIT_EXCEEDED,
                                   "the meshes' trees take more than the %llu bytes that shaders see at once",
@@ -29,7 +29,7 @@ static csm_result check_size(const device *device, uint64_t size) {
 
 static csm_result make_buffer(device *device, uint64_t size, gpu_buffer **out) {
   const gpu_buffer_info info = {
-      .name = "trees", .kind = GPU_BUFFER_DEVICE, .size = size, .usage = GPU_BUFFER_READ};
+      .name = "trees", .kind = GPU_BUFFER_DEVICE, .size = size, .usage = GPU_BUFFER_READ | GPU_BUFFER_TEXELS};
   return device_buffer(device, &info, out);
 }
 
@@ -38,7 +38,7 @@ static csm_result grow(device *device, uint64_t size) {
   tree_pool *pool = &device->trees;
   page *page = &pool->page;
   uint64_t wanted = page->size + page->size / 2 + size;
-  wanted = wanted > device->info.can.max_storage_size ? page->size + size : wanted;
+  wanted = wanted > device->info.can.max_texels_size ? page->size + size : wanted;
   wanted = wanted > smallest ? (wanted + alignment - 1) / alignment * alignment : smallest;
   csm_result result = check_size(device, wanted);
   if (result)

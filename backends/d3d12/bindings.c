@@ -4,32 +4,33 @@
  */
 #include "internal.h"
 
-enum { TABLE_RANGES = 4 };
+enum { TABLE_RANGES = 5 };
 
 /* ---- root signatures ---- */
 
 /* The ranges of the table that hold anything, without gaps between them. */
 static uint32_t table_ranges(const gpu_program_info *info, D3D12_DESCRIPTOR_RANGE *out) {
   const D3D12_DESCRIPTOR_RANGE ranges[] = {
-      {.RangeType = D3D12_DESCRIPTOR_RANGE_TYPE_SRV,
-       .NumDescriptors = info->texture_count,
-       .OffsetInDescriptorsFromTableStart = 0},
+      {.RangeType = D3D12_DESCRIPTOR_RANGE_TYPE_SRV, .NumDescriptors = info->texture_count},
       {.RangeType = D3D12_DESCRIPTOR_RANGE_TYPE_SRV,
        .NumDescriptors = info->buffer_count,
-       .BaseShaderRegister = GPU_FIRST_BUFFER,
-       .OffsetInDescriptorsFromTableStart = info->texture_count},
-      {.RangeType = D3D12_DESCRIPTOR_RANGE_TYPE_UAV,
-       .NumDescriptors = info->store_image_count,
-       .OffsetInDescriptorsFromTableStart = info->texture_count + info->buffer_count},
+       .BaseShaderRegister = GPU_FIRST_BUFFER},
+      {.RangeType = D3D12_DESCRIPTOR_RANGE_TYPE_SRV,
+       .NumDescriptors = info->texel_buffer_count,
+       .BaseShaderRegister = GPU_FIRST_TEXEL_BUFFER},
+      {.RangeType = D3D12_DESCRIPTOR_RANGE_TYPE_UAV, .NumDescriptors = info->store_image_count},
       {.RangeType = D3D12_DESCRIPTOR_RANGE_TYPE_UAV,
        .NumDescriptors = info->store_buffer_count,
-       .BaseShaderRegister = GPU_FIRST_STORE_BUFFER,
-       .OffsetInDescriptorsFromTableStart = info->texture_count + info->buffer_count + info->store_image_count},
+       .BaseShaderRegister = GPU_FIRST_STORE_BUFFER},
   };
-  uint32_t count = 0;
-  for (uint32_t i = 0; i < TABLE_RANGES; i++)
-    if (ranges[i].NumDescriptors)
-      out[count++] = ranges[i];
+  uint32_t count = 0, place = 0;
+  for (uint32_t i = 0; i < TABLE_RANGES; i++) {
+    if (!ranges[i].NumDescriptors)
+      continue;
+    out[count] = ranges[i];
+    out[count++].OffsetInDescriptorsFromTableStart = place;
+    place += ranges[i].NumDescriptors;
+  }
   return count;
 }
 
@@ -165,6 +166,14 @@ static void write_buffer(gpu_device *device, const gpu_buffer_part *part, D3D12_
   ID3D12Device_CreateShaderResourceView(device->handle, part->buffer->resource.handle, &view, descriptor);
 }
 
+static void write_texel_buffer(gpu_device *device, const gpu_buffer *buffer, D3D12_CPU_DESCRIPTOR_HANDLE descriptor) {
+  const D3D12_SHADER_RESOURCE_VIEW_DESC view = {.Format = DXGI_FORMAT_R32G32B32A32_UINT,
+                                                .ViewDimension = D3D12_SRV_DIMENSION_BUFFER,
+                                                .Shader4ComponentMapping = D3D12_DEFAULT_SHADER_4_COMPONENT_MAPPING,
+                                                .Buffer = {.NumElements = (UINT)(buffer->size / GPU_TEXEL_SIZE)}};
+  ID3D12Device_CreateShaderResourceView(device->handle, buffer->resource.handle, &view, descriptor);
+}
+
 static void write_store_buffer(gpu_device *device, const gpu_buffer_part *part,
                                D3D12_CPU_DESCRIPTOR_HANDLE descriptor) {
   const D3D12_UNORDERED_ACCESS_VIEW_DESC view = {.ViewDimension = D3D12_UAV_DIMENSION_BUFFER,
@@ -191,6 +200,8 @@ void d3d12_bindings_write(gpu_device *device, gpu_bindings *bindings, const gpu_
       d3d12_image_describe(device, info->textures[i], place.ptr);
   for (uint32_t i = 0; i < bindings->buffer_count; i++, place.ptr += step)
     write_buffer(device, &info->buffers[i], place);
+  for (uint32_t i = 0; i < bindings->texel_buffer_count; i++, place.ptr += step)
+    write_texel_buffer(device, info->texel_buffers[i], place);
   for (uint32_t i = 0; i < bindings->store_image_count; i++, place.ptr += step)
     d3d12_view_store(device, info->store_images[i], place);
   for (uint32_t i = 0; i < bindings->store_buffer_count; i++, place.ptr += step)
@@ -200,14 +211,15 @@ void d3d12_bindings_write(gpu_device *device, gpu_bindings *bindings, const gpu_
 csm_result d3d12_bindings_create(gpu_device *device, const gpu_bindings_info *info, gpu_bindings **out) {
   *out = NULL;
   const gpu_program *program = info->program;
-  const uint32_t size =
-      program->texture_count + program->buffer_count + program->store_image_count + program->store_buffer_count;
+  const uint32_t size = program->texture_count + program->buffer_count + program->texel_buffer_count +
+                        program->store_image_count + program->store_buffer_count;
   gpu_bindings *bindings = lent_allocate(&device->lent, sizeof *bindings);
   if (!bindings)
     return CSM_ERROR_OUT_OF_MEMORY;
   bindings->constants_count = program->constants_count;
   bindings->texture_count = program->texture_count;
   bindings->buffer_count = program->buffer_count;
+  bindings->texel_buffer_count = program->texel_buffer_count;
   bindings->store_image_count = program->store_image_count;
   bindings->store_buffer_count = program->store_buffer_count;
   if (size) {

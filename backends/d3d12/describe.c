@@ -14,7 +14,7 @@ bool d3d12_has_feature_level(ID3D12Device *handle) {
 void d3d12_describe_level(gpu_capabilities *out) {
   *out = (gpu_capabilities){
       .max_anisotropy = GPU_MAX_ANISOTROPY,
-      .max_storage_size = (uint64_t)4 << 27,
+      .max_texels_size = (uint64_t)GPU_TEXEL_SIZE << 27,
       .max_buffers = GPU_MAX_BUFFERS + GPU_MAX_STORES,
       .compute = true,
       .indirect = true,

@@ -90,7 +90,7 @@ struct gpu_target {
 struct gpu_program {
   ID3D12RootSignature *signature;
   ID3D12PipelineState *pipeline;
-  uint32_t constants_count, texture_count, buffer_count, store_image_count, store_buffer_count;
+  uint32_t constants_count, texture_count, buffer_count, texel_buffer_count, store_image_count, store_buffer_count;
   uint32_t stream_count;
   uint32_t strides[GPU_MAX_STREAMS];
 };
@@ -113,7 +113,7 @@ struct d3d12_block {
 
 struct gpu_bindings {
   gpu_bindings_info info; /* name and program are NULL: neither need live as long */
-  uint32_t constants_count, texture_count, buffer_count, store_image_count, store_buffer_count;
+  uint32_t constants_count, texture_count, buffer_count, texel_buffer_count, store_image_count, store_buffer_count;
   d3d12_block *block; /* NULL: no table */
   D3D12_GPU_DESCRIPTOR_HANDLE table;
 };

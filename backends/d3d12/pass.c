@@ -112,6 +112,8 @@ void d3d12_pass_bind(gpu_device *device, gpu_bindings *bindings, const uint32_t 
                                                                 bindings->info.constants[i]->address + offsets[i]);
   for (uint32_t i = 0; i < bindings->buffer_count; i++)
     d3d12_buffer_use_read(device, bindings->info.buffers[i].buffer, D3D12_STATE_READABLE);
+  for (uint32_t i = 0; i < bindings->texel_buffer_count; i++)
+    d3d12_buffer_use_read(device, bindings->info.texel_buffers[i], D3D12_STATE_READABLE);
   if (!bindings->block)
     return;
   d3d12_set_heap(device, bindings);

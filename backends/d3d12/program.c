@@ -73,6 +73,7 @@ csm_result d3d12_program_create(gpu_device *device, const gpu_program_info *info
   program->constants_count = info->constants_count;
   program->texture_count = info->texture_count;
   program->buffer_count = info->buffer_count;
+  program->texel_buffer_count = info->texel_buffer_count;
   program->store_image_count = info->store_image_count;
   program->store_buffer_count = info->store_buffer_count;
   program->stream_count = info->stream_count;

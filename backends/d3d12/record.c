@@ -148,6 +148,8 @@ static void use_bindings(gpu_device *device, const gpu_bindings *bindings) {
   }
   for (uint32_t i = 0; i < bindings->buffer_count; i++)
     d3d12_buffer_use_read(device, info->buffers[i].buffer, D3D12_STATE_READABLE);
+  for (uint32_t i = 0; i < bindings->texel_buffer_count; i++)
+    d3d12_buffer_use_read(device, info->texel_buffers[i], D3D12_STATE_READABLE);
   d3d12_use_stores(device, bindings);
 }
 

@@ -433,7 +433,7 @@ static void describe_capabilities(const d3d12_runtime *runtime, const VkPhysical
   d3d12_describe_level(out);
   out->max_anisotropy =
       features.samplerAnisotropy ? minimum((uint32_t)limits->maxSamplerAnisotropy, GPU_MAX_ANISOTROPY) : 1;
-  out->max_storage_size = minimum64(out->max_storage_size, (uint64_t)limits->maxTexelBufferElements * 4);
+  out->max_texels_size = minimum64(out->max_texels_size, (uint64_t)limits->maxTexelBufferElements * GPU_TEXEL_SIZE);
   for (gpu_format format = GPU_FORMAT_NONE + 1; format < GPU_FORMAT_COUNT; format++) {
     VkFormatProperties properties;
     if (formats[format] == VK_FORMAT_UNDEFINED)

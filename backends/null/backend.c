@@ -72,7 +72,7 @@ void null_describe(const gpu_device *device, gpu_device_info *out) {
                            .name = "null",
                            .driver = "null",
                            .can = {.max_anisotropy = GPU_MAX_ANISOTROPY,
-                                   .max_storage_size = 1ull << 32,
+                                   .max_texels_size = 1ull << 32,
                                    .max_buffers = GPU_MAX_BUFFERS + GPU_MAX_STORES,
                                    .compute = true,
                                    .indirect = true,

@@ -170,6 +170,9 @@ static void check_stores(gpu_device *device, const gpu_bindings *bindings) {
   for (uint32_t i = 0; i < program->buffer_count; i++)
     null_require(device, !stores_buffer(device->pass.stores, info->buffers[i].buffer),
                  "pass_bind: it reads a buffer that the pass stores to");
+  for (uint32_t i = 0; i < program->texel_buffer_count; i++)
+    null_require(device, !stores_buffer(device->pass.stores, info->texel_buffers[i]),
+                 "pass_bind: it reads a buffer that the pass stores to");
 }
 
 void null_pass_bind(gpu_device *device, gpu_bindings *bindings, const uint32_t *offsets) {
@@ -222,7 +225,7 @@ static void check_counts(gpu_device *device, const gpu_draw *draw) {
 static void check_draw(gpu_device *device, const gpu_draw *draw) {
   const gpu_program_info *program = &device->program->info;
   const bool needs = program->constants_count + program->texture_count + program->buffer_count +
-                     program->store_image_count + program->store_buffer_count;
+                     program->texel_buffer_count + program->store_image_count + program->store_buffer_count;
   null_require(device, device->bound || !needs, "pass_draw: nothing is bound");
   check_counts(device, draw);
   if (draw->indices)

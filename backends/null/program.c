@@ -7,8 +7,9 @@ static void check_counts(gpu_device *device, const gpu_program_info *info) {
   null_require(device,
                info->stream_count <= GPU_MAX_STREAMS && info->attribute_count <= GPU_MAX_ATTRIBUTES &&
                    info->constants_count <= GPU_MAX_CONSTANTS && info->texture_count <= GPU_MAX_TEXTURES &&
-                   info->buffer_count <= GPU_MAX_BUFFERS && info->store_image_count <= GPU_MAX_STORES &&
-                   info->store_buffer_count <= GPU_MAX_STORES && info->sampler_count <= GPU_MAX_SAMPLERS,
+                   info->buffer_count <= GPU_MAX_BUFFERS && info->texel_buffer_count <= GPU_MAX_TEXEL_BUFFERS &&
+                   info->store_image_count <= GPU_MAX_STORES && info->store_buffer_count <= GPU_MAX_STORES &&
+                   info->sampler_count <= GPU_MAX_SAMPLERS,
                "program_create: more than there are places for");
   for (uint32_t i = 0; i < info->sampler_count && i < GPU_MAX_SAMPLERS; i++)
     null_require(device, info->samplers[i] < GPU_SAMPLER_COUNT, "program_create: no such sampler");
@@ -88,6 +89,7 @@ static bool same_samplers(const gpu_program_info *a, const gpu_program_info *b) 
 bool null_same_shape(const gpu_program *a, const gpu_program *b) {
   return !a->info.compute.spirv_size == !b->info.compute.spirv_size && same_constants(&a->info, &b->info) &&
          a->info.texture_count == b->info.texture_count && a->info.buffer_count == b->info.buffer_count &&
+         a->info.texel_buffer_count == b->info.texel_buffer_count &&
          a->info.store_image_count == b->info.store_image_count &&
          a->info.store_buffer_count == b->info.store_buffer_count && same_samplers(&a->info, &b->info);
 }
@@ -151,10 +153,16 @@ void null_bindings_write(gpu_device *device, gpu_bindings *bindings, const gpu_b
   check_images(device, bindings);
   for (uint32_t i = 0; i < program->buffer_count; i++)
     check_part(device, &info->buffers[i], GPU_BUFFER_READ);
+  for (uint32_t i = 0; i < program->texel_buffer_count; i++)
+    null_require(device, info->texel_buffers[i] && (info->texel_buffers[i]->info.usage & GPU_BUFFER_TEXELS),
+                 "bindings_write: a texel buffer is missing, or not made to be one");
   for (uint32_t i = 0; i < program->store_buffer_count; i++) {
     check_part(device, &info->store_buffers[i], GPU_BUFFER_WRITE);
     for (uint32_t k = 0; k < program->buffer_count; k++)
       null_require(device, info->buffers[k].buffer != info->store_buffers[i].buffer,
+                   "bindings_write: a buffer is also written");
+    for (uint32_t k = 0; k < program->texel_buffer_count; k++)
+      null_require(device, info->texel_buffers[k] != info->store_buffers[i].buffer,
                    "bindings_write: a buffer is also written");
   }
 }

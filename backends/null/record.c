@@ -37,6 +37,8 @@ void null_use_bindings(const gpu_device *device, gpu_bindings *bindings) {
   for (uint32_t i = 0; i < program->store_image_count; i++)
     null_use_now(device, &info->store_images[i]->used);
   use_buffers(device, info->buffers, program->buffer_count);
+  for (uint32_t i = 0; i < program->texel_buffer_count; i++)
+    null_use_now(device, &info->texel_buffers[i]->used);
   use_buffers(device, info->store_buffers, program->store_buffer_count);
 }
 
@@ -313,7 +315,7 @@ void null_dispatch(gpu_device *device, const gpu_dispatch_info *info) {
   null_require(device, program->compute.spirv_size, "dispatch: the program draws");
   check_groups(device, info);
   const bool needs = program->constants_count + program->texture_count + program->buffer_count +
-                     program->store_image_count + program->store_buffer_count;
+                     program->texel_buffer_count + program->store_image_count + program->store_buffer_count;
   if (!info->bindings) {
     null_require(device, !needs, "dispatch: nothing is bound");
     return;

@@ -6,6 +6,7 @@ enum {
   BINDING_CONSTANTS = 0,
   BINDING_TEXTURES = 16,
   BINDING_BUFFERS = BINDING_TEXTURES + GPU_FIRST_BUFFER,
+  BINDING_TEXEL_BUFFERS = BINDING_TEXTURES + GPU_FIRST_TEXEL_BUFFER,
   BINDING_STORE_IMAGES = 32,
   BINDING_STORE_BUFFERS = BINDING_STORE_IMAGES + GPU_FIRST_STORE_BUFFER,
   BINDING_SAMPLERS = 48
@@ -18,13 +19,17 @@ typedef struct binding_kind {
   bool vertices; /* vertex shaders see it too */
 } binding_kind;
 
-enum { KINDS = 6, MAX_BINDINGS = GPU_MAX_CONSTANTS + GPU_MAX_TEXTURES + GPU_MAX_BUFFERS + 2 * GPU_MAX_STORES };
+enum {
+  KINDS = 7,
+  MAX_BINDINGS = GPU_MAX_CONSTANTS + GPU_MAX_TEXTURES + GPU_MAX_BUFFERS + GPU_MAX_TEXEL_BUFFERS + 2 * GPU_MAX_STORES
+};
 
 static void kinds_of(const gpu_program *program, binding_kind out[KINDS]) {
   const binding_kind kinds[KINDS] = {
       {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC, BINDING_CONSTANTS, program->constants_count, true},
       {VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, BINDING_TEXTURES, program->texture_count, false},
       {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, BINDING_BUFFERS, program->buffer_count, true},
+      {VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER, BINDING_TEXEL_BUFFERS, program->texel_buffer_count, true},
       {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, BINDING_STORE_IMAGES, program->store_image_count, false},
       {VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, BINDING_STORE_BUFFERS, program->store_buffer_count, false},
       {VK_DESCRIPTOR_TYPE_SAMPLER, BINDING_SAMPLERS, program->sampler_count, false},
@@ -110,6 +115,7 @@ typedef struct set_writes {
   VkWriteDescriptorSet writes[MAX_BINDINGS];
   VkDescriptorBufferInfo buffers[MAX_BINDINGS];
   VkDescriptorImageInfo images[MAX_BINDINGS];
+  VkBufferView texels[MAX_BINDINGS];
 } set_writes;
 
 static void add_write(set_writes *out, uint32_t binding, VkDescriptorType type) {
@@ -119,7 +125,8 @@ static void add_write(set_writes *out, uint32_t binding, VkDescriptorType type) 
                                                    .descriptorCount = 1,
                                                    .descriptorType = type,
                                                    .pBufferInfo = &out->buffers[out->count],
-                                                   .pImageInfo = &out->images[out->count]};
+                                                   .pImageInfo = &out->images[out->count],
+                                                   .pTexelBufferView = &out->texels[out->count]};
   out->count++;
 }
 
@@ -129,6 +136,13 @@ static void add_parts(set_writes *out, uint32_t first, const gpu_buffer_part *pa
                                                         .offset = parts[i].offset,
                                                         .range = parts[i].size ? parts[i].size : VK_WHOLE_SIZE};
     add_write(out, first + i, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER);
+  }
+}
+
+static void add_texel_buffers(set_writes *out, gpu_buffer *const *buffers, uint32_t count) {
+  for (uint32_t i = 0; i < count; i++) {
+    out->texels[out->count] = buffers[i]->texels;
+    add_write(out, BINDING_TEXEL_BUFFERS + i, VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER);
   }
 }
 
@@ -163,6 +177,7 @@ void vulkan_bindings_write(gpu_device *device, gpu_bindings *bindings, const gpu
   }
   add_textures(&out, bindings, info);
   add_parts(&out, BINDING_BUFFERS, info->buffers, program->buffer_count);
+  add_texel_buffers(&out, info->texel_buffers, program->texel_buffer_count);
   add_store_images(&out, bindings, info);
   add_parts(&out, BINDING_STORE_BUFFERS, info->store_buffers, program->store_buffer_count);
   device->vk.UpdateDescriptorSets(device->handle, out.count, out.writes, 0, NULL);
@@ -179,7 +194,7 @@ csm_result vulkan_bindings_create(gpu_device *device, const gpu_bindings_info *i
   bindings->texture_count = program->texture_count;
   bindings->store_image_count = program->store_image_count;
   bindings->store_buffer_count = program->store_buffer_count;
-  bindings->buffers = program->buffer_count || program->store_buffer_count;
+  bindings->buffers = program->buffer_count || program->texel_buffer_count || program->store_buffer_count;
   const csm_result result = set_allocate(device, bindings, program, info->name);
   if (result != CSM_SUCCESS) {
     vulkan_bindings_destroy(device, bindings);

@@ -68,7 +68,7 @@ static void describe_abilities(gpu_device *device, const VkPhysicalDeviceLimits 
   gpu_capabilities *can = &device->info.can;
   const uint32_t anisotropy = (uint32_t)limits->maxSamplerAnisotropy;
   can->max_anisotropy = device->features.samplerAnisotropy ? minimum(anisotropy, GPU_MAX_ANISOTROPY) : 1;
-  can->max_storage_size = limits->maxStorageBufferRange;
+  can->max_texels_size = (uint64_t)limits->maxTexelBufferElements * GPU_TEXEL_SIZE;
   can->max_buffers = minimum(limits->maxPerStageDescriptorStorageBuffers, GPU_MAX_BUFFERS + GPU_MAX_STORES);
   can->indirect = true;
   can->pixel_stores = device->features.fragmentStoresAndAtomics;

@@ -56,6 +56,8 @@
   X(GetImageMemoryRequirements)                                                                                        \
   X(BindImageMemory)                                                                                                   \
   X(CreateImageView)                                                                                                   \
+  X(CreateBufferView)                                                                                                  \
+  X(DestroyBufferView)                                                                                                 \
   X(DestroyImageView)                                                                                                  \
   X(CreateSampler)                                                                                                     \
   X(DestroySampler)                                                                                                    \

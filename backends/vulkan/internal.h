@@ -60,6 +60,7 @@ typedef struct vulkan_use {
 
 struct gpu_buffer {
   VkBuffer handle;
+  VkBufferView texels; /* of all of it, if it is made to be read so */
   vulkan_memory memory;
   gpu_buffer_kind kind;
   uint64_t size;
@@ -107,7 +108,8 @@ struct gpu_program {
   VkPipelineLayout layout;
   VkPipeline pipeline;
   uint32_t stream_count;
-  uint32_t constants_count, texture_count, buffer_count, store_image_count, store_buffer_count, sampler_count;
+  uint32_t constants_count, texture_count, buffer_count, texel_buffer_count;
+  uint32_t store_image_count, store_buffer_count, sampler_count;
   uint32_t constants_sizes[GPU_MAX_CONSTANTS];
 };
 

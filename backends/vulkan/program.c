@@ -82,6 +82,7 @@ csm_result vulkan_program_create(gpu_device *device, const gpu_program_info *inf
   program->constants_count = info->constants_count;
   program->texture_count = info->texture_count;
   program->buffer_count = info->buffer_count;
+  program->texel_buffer_count = info->texel_buffer_count;
   program->store_image_count = info->store_image_count;
   program->store_buffer_count = info->store_buffer_count;
   program->sampler_count = info->sampler_count;

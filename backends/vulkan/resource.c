@@ -14,9 +14,26 @@ static VkBufferUsageFlags buffer_usage(const gpu_buffer_info *info) {
     usage |= VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT;
   if (info->usage & (GPU_BUFFER_READ | GPU_BUFFER_WRITE))
     usage |= VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+  if (info->usage & GPU_BUFFER_TEXELS)
+    usage |= VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT;
   if (info->usage & GPU_BUFFER_INDIRECT)
     usage |= VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT;
   return usage;
+}
+
+static csm_result make_texels(gpu_device *device, gpu_buffer *buffer, const gpu_buffer_info *info) {
+  if (!(info->usage & GPU_BUFFER_TEXELS))
+    return CSM_SUCCESS;
+  const VkBufferViewCreateInfo view = {.sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
+                                       .buffer = buffer->handle,
+                                       .format = VK_FORMAT_R32G32B32A32_UINT,
+                                       .range = VK_WHOLE_SIZE};
+  const csm_result result =
+      vulkan_made(device, device->vk.CreateBufferView(device->handle, &view, NULL, &buffer->texels), &buffer->texels,
+                  "vkCreateBufferView");
+  if (result == CSM_SUCCESS)
+    vulkan_name(device, VK_OBJECT_TYPE_BUFFER_VIEW, (uint64_t)buffer->texels, info->name);
+  return result;
 }
 
 csm_result vulkan_buffer_create(gpu_device *device, const gpu_buffer_info *info, gpu_buffer **out) {
@@ -47,6 +64,8 @@ csm_result vulkan_buffer_create(gpu_device *device, const gpu_buffer_info *info,
   result = vulkan_check(
       device, vk->BindBufferMemory(device->handle, buffer->handle, buffer->memory.handle, buffer->memory.offset),
       "vkBindBufferMemory");
+  if (result == CSM_SUCCESS)
+    result = make_texels(device, buffer, info);
   if (result != CSM_SUCCESS)
     goto failed;
   *out = buffer;
@@ -60,6 +79,7 @@ failed:
 void vulkan_buffer_destroy(gpu_device *device, gpu_buffer *buffer) {
   if (!buffer)
     return;
+  device->vk.DestroyBufferView(device->handle, buffer->texels, NULL);
   if (!buffer->borrowed)
     device->vk.DestroyBuffer(device->handle, buffer->handle, NULL);
   vulkan_memory_release(device, &buffer->memory);

@@ -63,8 +63,10 @@ static gpu_buffer *dispatch_indirect(smoke *s, gpu_buffer *arguments, uint32_t o
                                                              .constants_count = 1,
                                                              .constants_sizes = {16},
                                                              .buffer_count = 2,
+                                                             .texel_buffer_count = 1,
                                                              .store_buffer_count = 1});
-  gpu_buffer *zeros = scrap_buffer(s, (gpu_buffer_info){"zeros", GPU_BUFFER_UPLOAD, 1024, GPU_BUFFER_READ});
+  gpu_buffer *zeros =
+      scrap_buffer(s, (gpu_buffer_info){"zeros", GPU_BUFFER_UPLOAD, 1024, GPU_BUFFER_READ | GPU_BUFFER_TEXELS});
   gpu_buffer *out =
       scrap_buffer(s, (gpu_buffer_info){"groups", GPU_BUFFER_DEVICE, 1024, GPU_BUFFER_READ | GPU_BUFFER_WRITE});
   gpu_bindings *bindings =
@@ -72,6 +74,7 @@ static gpu_buffer *dispatch_indirect(smoke *s, gpu_buffer *arguments, uint32_t o
                                             .program = program,
                                             .constants = {s->slots[0].upload},
                                             .buffers = {{.buffer = zeros, .stride = 4}, {.buffer = zeros}},
+                                            .texel_buffers = {zeros},
                                             .store_buffers = {{out, 0, 0, 4}}});
   memset(gpu_buffer_memory(s->g, zeros), 0, 1024);
   gpu_copy_buffer(s->g, out, 0, zeros, 0, 1024);

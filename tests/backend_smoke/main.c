@@ -63,7 +63,7 @@ static void check_info(smoke *s, const gpu_open_info *open) {
         info.max_image_layers);
   CHECK(s, info.max_allocation_size >= 1 << 27 && info.max_allocation_size <= info.memory_size, "%llu of %llu",
         (unsigned long long)info.max_allocation_size, (unsigned long long)info.memory_size);
-  CHECK(s, info.can.max_buffers >= 4 && info.can.max_storage_size >= 1 << 27, "%u buffers", info.can.max_buffers);
+  CHECK(s, info.can.max_buffers >= 4 && info.can.max_texels_size >= 1 << 20, "%u buffers", info.can.max_buffers);
   CHECK(s, info.max_buffer_size >= 1 << 27, "%llu", (unsigned long long)info.max_buffer_size);
   printf("%s: %s; %s; images to %u, %u layers; allocations to %.2f GiB of %.2f\n", s->gpu->name, info.name, info.driver,
          info.max_image_size, info.max_image_layers, (double)info.max_allocation_size / (1 << 30),

@@ -13,15 +13,24 @@ static gpu_program *compute_program(smoke *s, gpu_program_info info, gpu_code co
   return scrap_program(s, info);
 }
 
-/* out = in * factor + raw + index: from an upload buffer, and from device buffers back and forth. */
+static gpu_program *adding_program(smoke *s) {
+  return compute_program(s,
+                         (gpu_program_info){.constants_count = 1,
+                                            .constants_sizes = {16},
+                                            .buffer_count = 2,
+                                            .texel_buffer_count = 1,
+                                            .store_buffer_count = 1},
+                         shader_buffers_cs);
+}
+
+/* out = in * factor + raw + texel + index: from an upload buffer, and from device buffers back and forth. */
 void test_buffers(smoke *s) {
   if (!s->can.compute)
     return;
-  gpu_program *program = compute_program(
-      s, (gpu_program_info){.constants_count = 1, .constants_sizes = {16}, .buffer_count = 2, .store_buffer_count = 1},
-      shader_buffers_cs);
+  gpu_program *program = adding_program(s);
   const gpu_buffer_info device = {"numbers", GPU_BUFFER_DEVICE, BYTES + PART, GPU_BUFFER_READ | GPU_BUFFER_WRITE};
-  gpu_buffer *first = scrap_buffer(s, (gpu_buffer_info){"first", GPU_BUFFER_UPLOAD, BYTES, GPU_BUFFER_READ});
+  gpu_buffer *first =
+      scrap_buffer(s, (gpu_buffer_info){"first", GPU_BUFFER_UPLOAD, BYTES, GPU_BUFFER_READ | GPU_BUFFER_TEXELS});
   gpu_buffer *raw = scrap_buffer(s, (gpu_buffer_info){"raw", GPU_BUFFER_DEVICE, BYTES, GPU_BUFFER_READ});
   gpu_buffer *steps[2] = {scrap_buffer(s, device), scrap_buffer(s, device)};
   uint32_t expected[COUNT];
@@ -39,11 +48,12 @@ void test_buffers(smoke *s) {
                                               .program = program,
                                               .constants = {s->slots[0].upload},
                                               .buffers = {from, {.buffer = raw}},
+                                              .texel_buffers = {first},
                                               .store_buffers = {{steps[step % 2], PART, BYTES, 4}}});
     gpu_dispatch(s->g, &(gpu_dispatch_info){
                            .program = program, .bindings = bindings, .offsets = &offset, .groups = {COUNT / 64, 1, 1}});
     for (uint32_t i = 0; i < COUNT; i++)
-      expected[i] = expected[i] * (uint32_t)factors[step] + (i * 7 + 1) + i;
+      expected[i] = expected[i] * (uint32_t)factors[step] + 2 * (i * 7 + 1) + i;
   }
   end_and_wait(s, 0);
   const uint32_t *read = read_buffer(s, steps[0], BYTES + PART);
@@ -148,19 +158,19 @@ void test_pixel_stores(smoke *s) {
   info.texture_count = 0;
   info.store_buffer_count = 1;
   gpu_program *program = scrap_program(s, info);
-  gpu_program *doubles = compute_program(
-      s, (gpu_program_info){.constants_count = 1, .constants_sizes = {16}, .buffer_count = 2, .store_buffer_count = 1},
-      shader_buffers_cs);
-  const gpu_buffer_info numbers = {"counts", GPU_BUFFER_DEVICE, 256, GPU_BUFFER_READ | GPU_BUFFER_WRITE};
-  gpu_buffer *counts = scrap_buffer(s, numbers), *doubled = scrap_buffer(s, numbers);
+  gpu_program *adds = adding_program(s);
+  const gpu_buffer_info numbers = {"counts", GPU_BUFFER_DEVICE, 256,
+                                   GPU_BUFFER_READ | GPU_BUFFER_WRITE | GPU_BUFFER_TEXELS};
+  gpu_buffer *counts = scrap_buffer(s, numbers), *sums = scrap_buffer(s, numbers);
   gpu_bindings *bindings =
       scrap_bindings(s, (gpu_bindings_info){.name = "count", .program = program, .store_buffers = {{counts, 0, 0, 4}}});
   gpu_bindings *reads =
-      scrap_bindings(s, (gpu_bindings_info){.name = "double",
-                                            .program = doubles,
+      scrap_bindings(s, (gpu_bindings_info){.name = "add",
+                                            .program = adds,
                                             .constants = {s->slots[0].upload},
                                             .buffers = {{.buffer = counts, .stride = 4}, {.buffer = counts}},
-                                            .store_buffers = {{doubled, 0, 0, 4}}});
+                                            .texel_buffers = {counts},
+                                            .store_buffers = {{sums, 0, 0, 4}}});
   begin(s, 0);
   const uint32_t offset = put_constants(s, 0, (const float[4]){1});
   clear_buffer(s, counts, 256);
@@ -171,12 +181,11 @@ void test_pixel_stores(smoke *s) {
                                  .area = area,
                                  .stores = bindings},
                 program, bindings, 0);
-  gpu_dispatch(s->g,
-               &(gpu_dispatch_info){.program = doubles, .bindings = reads, .offsets = &offset, .groups = {1, 1, 1}});
+  gpu_dispatch(s->g, &(gpu_dispatch_info){.program = adds, .bindings = reads, .offsets = &offset, .groups = {1, 1, 1}});
   end_and_wait(s, 0);
-  const uint32_t *read = read_buffer(s, doubled, 256);
-  CHECK(s, read[0] == 2 * 2 * area.width * area.height, "%u pixels", read[0]);
-  CHECK(s, read[1] == 2 * 2 * 28 * area.height + 1, "%u pixels on the left", read[1]);
+  const uint32_t *read = read_buffer(s, sums, 256);
+  CHECK(s, read[0] == 3 * 2 * area.width * area.height, "%u pixels", read[0]);
+  CHECK(s, read[1] == 3 * 2 * 28 * area.height + 1, "%u pixels on the left", read[1]);
   scrap_free(s);
 }
 

@@ -95,7 +95,7 @@ CSM_API csm_result CSM_CALL csm_query_backends(uint32_t *count, csm_backend_info
 /* ---- context ---- */
 
 enum {
-  CSM_CREATE_VALIDATE = 1u << 0,     /* own device: turn the driver stack's validation on, messages go to the log */
+  CSM_CREATE_VALIDATE = 1u << 0,      /* own device: turn the driver stack's validation on, messages go to the log */
   CSM_CREATE_KEEP_GEOMETRY = 1u << 1, /* keep a copy of every mesh in host memory, for csm_switch_backend */
   CSM_CREATE_RAYS = 1u << 2           /* make a tree of every mesh, for filters exact and exact_soft */
 };
@@ -554,8 +554,11 @@ typedef struct csm_binding {
   uint64_t native_moments_sampler; /* Vulkan: VkSampler: linear, also between levels, clamped; D3D12: 0 */
   uint64_t moments_descriptor;     /* in, D3D12: as maps_descriptor, of the moments, if there are any */
   /* What rays look up, with filters exact and exact_soft; with another filter 0. Two buffers of rows of four 32-bit whole
-     numbers: in GLSL a std430 uvec4[], in HLSL a StructuredBuffer<uint4>, for which D3D12 takes a shader resource view of
-     format UNKNOWN, StructureByteStride 16 and NumElements size / 16. Bind all of each. They are readable by vertex, pixel
+     numbers, each read as the engine likes: as a texel buffer (GLSL: usamplerBuffer or utextureBuffer, on a VkBufferView of
+     VK_FORMAT_R32G32B32A32_UINT; HLSL: Buffer<uint4>, on a shader resource view of DXGI_FORMAT_R32G32B32A32_UINT), which
+     a rasteriser on a CPU reads twice as fast; or as a structured one (GLSL: a std430 uvec4[], if the size is at most
+     maxStorageBufferRange; HLSL: StructuredBuffer<uint4>, format UNKNOWN, StructureByteStride 16). NumElements is
+     size / 16. Bind all of each. They are readable by vertex, pixel
      and compute shaders once csm has recorded. D3D12: in state COMMON, out of which reading promotes them; a command list
      that csm records into again has brought them back to it. csm_mesh_create, csm_mesh_update and csm_render_cascades
      change them with what is recorded next: render, and bind anew in each frame. */
@@ -577,7 +580,7 @@ enum {
   CSM_READ_MAP = 0,  /* raw depth */
   CSM_READ_MASK = 1, /* visibility */
   CSM_READ_CAMERA_DEPTH =
-      2,                  /* that csm drew for the mask: clip depth by the frame's projection, as its own depth buffer
+      2,                   /* that csm drew for the mask: clip depth by the frame's projection, as its own depth buffer
                                 would hold it; 1 where nothing is, or, if depth is reversed, 0 */
   CSM_READ_VIEW_DEPTH = 3, /* the same as view depth in metres, which loses nothing; INFINITY where nothing is */
   CSM_READ_MOMENTS = 4     /* of a cascade: 1 (ESM), 2 or 4 floats a texel; layers of depth one after the other */
@@ -628,10 +631,10 @@ typedef struct csm_stats {
   uint32_t instances_changed; /* that came, moved, changed or went since these cascades' frame before; of a list, or of
                                  another scene than before, all */
   double moments_gpu_ms;      /* as csm_cascade_stats.gpu_ms: making and blurring moments */
-  uint64_t moment_bytes;      /* device memory of the moments of these cascades' maps, and of what they are blurred in */
-  uint64_t tree_bytes;        /* device memory of what rays look up: trees of the context's meshes, and of instances */
-  double mesh_trees_ms;       /* making the trees of the context's meshes, all together, on the CPU */
-  double instance_tree_ms;    /* bringing the instances' tree up to date in the last csm_render_cascades */
+  uint64_t moment_bytes;   /* device memory of the moments of these cascades' maps, and of what they are blurred in */
+  uint64_t tree_bytes;     /* device memory of what rays look up: trees of the context's meshes, and of instances */
+  double mesh_trees_ms;    /* making the trees of the context's meshes, all together, on the CPU */
+  double instance_tree_ms; /* bringing the instances' tree up to date in the last csm_render_cascades */
 } csm_stats;
 
 /*

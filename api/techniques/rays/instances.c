@@ -90,18 +90,20 @@ static uint64_t bytes_for(uint32_t slots) {
 
 static csm_result make_buffer(device *device, uint32_t slots, ray_buffer **out) {
   const uint32_t room = slots + slots / 2;
-  const uint64_t most = device->info.can.max_storage_size;
+  const uint64_t most = device->info.can.max_texels_size;
   ray_buffer *made = host_allocate(device->host, sizeof *made);
   if (!made)
     return CSM_ERROR_OUT_OF_MEMORY;
   made->records = records_at(room);
   made->size = bytes_for(room);
-  csm_result result = made->size <= most ? CSM_SUCCESS
-                                         : host_fail(device->host, CSM_ERROR_LIMIT_EXCEEDED,
-                                                     "filter: the tree of %u instances takes more than shaders see at once",
-                                                     slots);
-  const gpu_buffer_info info = {
-      .name = "instances' tree", .kind = GPU_BUFFER_DEVICE, .size = made->size, .usage = GPU_BUFFER_READ};
+  csm_result result = made->size <= most
+                          ? CSM_SUCCESS
+                          : host_fail(device->host, CSM_ERROR_LIMIT_EXCEEDED,
+                                      "filter: the tree of %u instances takes more than shaders see at once", slots);
+  const gpu_buffer_info info = {.name = "instances' tree",
+                                .kind = GPU_BUFFER_DEVICE,
+                                .size = made->size,
+                                .usage = GPU_BUFFER_READ | GPU_BUFFER_TEXELS};
   if (!result)
     result = device_buffer(device, &info, &made->buffer);
   if (result) {
@@ -231,8 +233,7 @@ static void update(instance_tree *tree, const plan_scene *scene, uint32_t layers
   }
   if (same && tree->node_count) {
     write_boxes(tree, scene);
-    const double cost =
-        tree_fit(tree->nodes, tree->node_count, tree->order, tree->boxes, &tree->grid, tree->scratch);
+    const double cost = tree_fit(tree->nodes, tree->node_count, tree->order, tree->boxes, &tree->grid, tree->scratch);
     if (cost <= most_cost * tree->cost)
       return;
   }

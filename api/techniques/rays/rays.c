@@ -69,13 +69,13 @@ static csm_result make_program(gpu gpu, const void *about, gpu_program **out) {
   const rays_key *key = about;
   const bool rays = key->step == RAYS;
   const gpu_program_info info = {.name = names[key->step],
-                                 .compute = rays                 ? *shader_find(key->variant)
+                                 .compute = rays                ? *shader_find(key->variant)
                                             : key->step == LIST ? shader_rays_list_cs
                                                                 : shader_rays_groups_cs,
                                  .constants_count = 2,
                                  .constants_sizes = {MASK_CASCADES_BLOCK, MASK_CAMERA_BLOCK},
                                  .texture_count = rays ? 2 : key->step == LIST,
-                                 .buffer_count = rays ? 2 : 0,
+                                 .texel_buffer_count = rays ? 2 : 0,
                                  .store_image_count = rays,
                                  .store_buffer_count = 1,
                                  .sampler_count = rays,
@@ -86,13 +86,12 @@ static csm_result make_program(gpu gpu, const void *about, gpu_program **out) {
 static csm_result find_programs(rays_state *state, technique_run *run) {
   const csm_config *config = run->config;
   const bool view = run->picture->show == CSM_SHOW_RAYS;
-  const uint64_t variant = shader_key_rays(config->filter == CSM_FILTER_EXACT_SOFT,
-                                           config->history == CSM_HISTORY_ON && !view, view);
+  const uint64_t variant =
+      shader_key_rays(config->filter == CSM_FILTER_EXACT_SOFT, config->history == CSM_HISTORY_ON && !view, view);
   csm_result result = CSM_SUCCESS;
   for (uint32_t i = 0; i < steps && !result; ++i) {
     const rays_key about = {.step = i, .variant = i == RAYS ? variant : 0};
-    const program_key key = {
-        .make = make_program, .name = "a program of rays", .about = &about, .size = sizeof about};
+    const program_key key = {.make = make_program, .name = "a program of rays", .about = &about, .size = sizeof about};
     result = programs_find(run->device, &key, &state->programs[i]);
   }
   return result;
@@ -163,10 +162,8 @@ static csm_result reserve_list(rays_state *state, device *device, const techniqu
   if (!list)
     return CSM_ERROR_OUT_OF_MEMORY;
   list->size = wanted;
-  const gpu_buffer_info pixels = {.name = "rays' pixels",
-                                  .kind = GPU_BUFFER_DEVICE,
-                                  .size = wanted,
-                                  .usage = GPU_BUFFER_READ | GPU_BUFFER_WRITE};
+  const gpu_buffer_info pixels = {
+      .name = "rays' pixels", .kind = GPU_BUFFER_DEVICE, .size = wanted, .usage = GPU_BUFFER_READ | GPU_BUFFER_WRITE};
   const gpu_buffer_info arguments = {
       .name = "rays' groups", .kind = GPU_BUFFER_DEVICE, .size = arguments_size, .usage = GPU_BUFFER_INDIRECT};
   csm_result result = device_buffer(device, &pixels, &list->buffer);
@@ -186,24 +183,22 @@ static csm_result reserve_reads(rays_state *state, technique_run *run) {
   gpu_buffer *meshes = tree_pool_buffer(run->device); /* NULL: no mesh has a tree, and no row is read */
   const gpu_buffer_part list = {.buffer = (state->fresh ? state->fresh : state->now)->buffer,
                                 .stride = sizeof(uint32_t)};
-  const gpu_bindings_info reads[steps] = {
-      {.name = "rays' pixels",
-       .program = state->programs[0],
-       .constants = {constants, constants},
-       .textures = {picture->mask},
-       .store_buffers = {list}},
-      {.name = "rays' groups",
-       .program = state->programs[1],
-       .constants = {constants, constants},
-       .store_buffers = {list}},
-      {.name = "rays",
-       .program = state->programs[2],
-       .constants = {constants, constants},
-       .textures = {picture->depth, picture->depth},
-       .buffers = {{.buffer = meshes ? meshes : instances, .stride = TREE_POOL_ROW},
-                   {.buffer = instances, .stride = TREE_POOL_ROW}},
-       .store_buffers = {list},
-       .store_images = {picture->mask_stores}}};
+  const gpu_bindings_info reads[steps] = {{.name = "rays' pixels",
+                                           .program = state->programs[0],
+                                           .constants = {constants, constants},
+                                           .textures = {picture->mask},
+                                           .store_buffers = {list}},
+                                          {.name = "rays' groups",
+                                           .program = state->programs[1],
+                                           .constants = {constants, constants},
+                                           .store_buffers = {list}},
+                                          {.name = "rays",
+                                           .program = state->programs[2],
+                                           .constants = {constants, constants},
+                                           .textures = {picture->depth, picture->depth},
+                                           .texel_buffers = {meshes ? meshes : instances, instances},
+                                           .store_buffers = {list},
+                                           .store_images = {picture->mask_stores}}};
   csm_result result = CSM_SUCCESS;
   for (uint32_t i = 0; i < steps && !result; ++i)
     result = inputs_find(&state->inputs[i], run->device, &reads[i], &state->reads[i]);

@@ -41,13 +41,14 @@ const gpu_program_info null_computing = {.name = "computing",
                                          .constants_sizes = {256},
                                          .texture_count = 1,
                                          .buffer_count = 1,
+                                         .texel_buffer_count = 1,
                                          .store_image_count = 1,
                                          .store_buffer_count = 1};
 
 static void make_resources(fixture *f) {
   const uint32_t drawn = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED | GPU_IMAGE_COPY_SOURCE;
   const uint32_t all = drawn | GPU_IMAGE_COPY_TARGET | GPU_IMAGE_STORED;
-  const uint32_t usage = GPU_BUFFER_READ | GPU_BUFFER_WRITE | GPU_BUFFER_INDIRECT;
+  const uint32_t usage = GPU_BUFFER_READ | GPU_BUFFER_WRITE | GPU_BUFFER_INDIRECT | GPU_BUFFER_TEXELS;
   gpu_image_create(f->g, &(gpu_image_info){"depth", GPU_FORMAT_D16_UNORM, drawn, WIDTH, HEIGHT, LAYERS, true, 1},
                    &f->depth);
   gpu_image_create(f->g, &(gpu_image_info){"colour", GPU_FORMAT_RG32_FLOAT, drawn, WIDTH, HEIGHT, 1, false, 0},
@@ -61,7 +62,9 @@ static void make_resources(fixture *f) {
     gpu_target_create(f->g, &(gpu_target_info){.name = "level", .color = f->texture, .color_level = i},
                       &f->level_targets[i]);
   f->level_1 = f->level_targets[1];
-  gpu_buffer_create(f->g, &(gpu_buffer_info){"upload", GPU_BUFFER_UPLOAD, BUFFER_SIZE, GPU_BUFFER_READ}, &f->upload);
+  gpu_buffer_create(f->g,
+                    &(gpu_buffer_info){"upload", GPU_BUFFER_UPLOAD, BUFFER_SIZE, GPU_BUFFER_READ | GPU_BUFFER_TEXELS},
+                    &f->upload);
   gpu_buffer_create(f->g, &(gpu_buffer_info){"device", GPU_BUFFER_DEVICE, BUFFER_SIZE, usage}, &f->device);
   gpu_buffer_create(f->g, &(gpu_buffer_info){"other", GPU_BUFFER_DEVICE, BUFFER_SIZE, usage}, &f->other);
   gpu_buffer_create(f->g, &(gpu_buffer_info){.name = "readback", .kind = GPU_BUFFER_READBACK, .size = BUFFER_SIZE},
@@ -98,6 +101,7 @@ static void make_programs(fixture *f) {
                                                   .constants = {f->upload},
                                                   .texture_views = {f->levels[0]},
                                                   .buffers = {{f->upload, 0, 0, 0}},
+                                                  .texel_buffers = {f->upload},
                                                   .store_images = {f->levels[1]},
                                                   .store_buffers = {{f->device, 0, 0, 4}}},
                               f->computing);

@@ -14,6 +14,11 @@ void test_buffers(void **state) {
       {{"b", GPU_BUFFER_DEVICE, 0, 0}, "buffer_create: a size of 0"},
       {{"b", GPU_BUFFER_UPLOAD, 16, GPU_BUFFER_WRITE}, "buffer_create: shaders write to device buffers alone"},
       {{"b", GPU_BUFFER_READBACK, 16, GPU_BUFFER_READ}, "buffer_create: a readback buffer is for nothing else"},
+      {{"b", GPU_BUFFER_DEVICE, 16, GPU_BUFFER_READ | GPU_BUFFER_TEXELS}, NULL},
+      {{"b", GPU_BUFFER_DEVICE, 16, GPU_BUFFER_TEXELS},
+       "buffer_create: a texel buffer that is not read, or whose size is not a multiple of 16"},
+      {{"b", GPU_BUFFER_DEVICE, 24, GPU_BUFFER_READ | GPU_BUFFER_TEXELS},
+       "buffer_create: a texel buffer that is not read, or whose size is not a multiple of 16"},
   };
   for (size_t i = 0; i < COUNT_OF(rows); i++) {
     gpu_buffer *buffer = NULL;
@@ -170,6 +175,7 @@ void test_bindings(void **state) {
                                   .constants = {f->upload},
                                   .texture_views = {f->levels[0]},
                                   .buffers = {{f->upload, 256, 512, 16}},
+                                  .texel_buffers = {f->upload},
                                   .store_images = {f->levels[1]},
                                   .store_buffers = {{f->device, 0, 1024, 4}}};
   gpu_bindings_info info, elsewhere = good;
@@ -196,6 +202,9 @@ void test_bindings(void **state) {
        "bindings_write: a part's stride is not a multiple of 4, or divides its offset or size not"},
       {WITH(good, buffers[0], beyond), "bindings_write: a part beyond a buffer's end"},
       {WITH(good, buffers[0], same), "bindings_write: a buffer is also written"},
+      {WITH(good, texel_buffers[0], NULL), "bindings_write: a texel buffer is missing, or not made to be one"},
+      {WITH(good, texel_buffers[0], f->readback), "bindings_write: a texel buffer is missing, or not made to be one"},
+      {WITH(good, texel_buffers[0], f->device), "bindings_write: a buffer is also written"},
       {WITH(good, store_buffers[0], raw), "bindings_write: a raw buffer that is written"},
       {WITH(good, store_buffers[0], unwritable), "bindings_write: a buffer is missing, or not made to be written"},
   };
