@@ -343,7 +343,7 @@ static const plan_config_entry entries[] = {
           .about = "Filter exact without normals: a ray decides where depth leaves a pixel's plane unsure and its "
                    "cosine to the light is below this."),
     ENTRY(ray_grazing_cosine, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 1.0,
-          .default_value = 0.0, .unit = "1", .about = "And below this one whatever is known of the plane."),
+          .default_value = 0.02, .unit = "1", .about = "And below this one whatever is known of the plane."),
 };
 
 enum { entry_count = sizeof entries / sizeof *entries };
