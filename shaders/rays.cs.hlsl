@@ -46,13 +46,15 @@ float level_of(csm_decision d, float view_depth)
 #endif
 }
 
-void count(csm_decision d)
+void count(csm_decision d, int2 texel)
 {
     if (d.by_map > 0.0)
         InterlockedAdd(list[RAYS_BY_MAP], 1u);
 #if RAYS_VIEW
-    InterlockedAdd(list[RAYS_NODES], uint(d.nodes * 0.0625));
-    InterlockedAdd(list[RAYS_TRIANGLES], uint(d.triangles * 0.0625));
+    // In sixteenths, so that no sum overflows; neighbours round up at different remainders, so that the sum is right on the whole.
+    uint rounding = uint(texel.x & 3) + 4u * uint(texel.y & 3);
+    InterlockedAdd(list[RAYS_NODES], (uint(d.nodes) + rounding) >> 4u);
+    InterlockedAdd(list[RAYS_TRIANGLES], (uint(d.triangles) + rounding) >> 4u);
 #endif
 }
 
@@ -79,7 +81,7 @@ void main(uint3 group : SV_GroupID, uint thread : SV_GroupIndex)
 #else
         csm_decision d = csm_decide(at, apart, share);
 #endif
-        count(d);
+        count(d, texel);
 #if RAYS_MIXED
         mask[texel] = float2(level_of(d, view_depth), 0.0);
 #else

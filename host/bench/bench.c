@@ -5,6 +5,7 @@
 #include "bench/drawn_moments.h"
 #include "bench/engine.h"
 #include "bench/floor.h"
+#include "bench/rays.h"
 #include "bench/rows.h"
 #include "bench/scene_plan.h"
 #include "bench/switching.h"
@@ -53,6 +54,7 @@ typedef struct bench {
   bench_drawn drawn[2];          /* VSM, EVSM4 */
   bench_rows rows[BENCH_TABLES]; /* as many as were wanted */
   uint32_t table_count;
+  bench_rays rays;
 } bench;
 
 /* ---- setting up ---- */
@@ -231,6 +233,17 @@ static int time_tables(bench *b) {
   return code;
 }
 
+static int time_rays(bench *b) {
+  bench_plan many;
+  if (!wanted(b, "rays"))
+    return 0;
+  int code = bench_plan_make(&many, &b->setup, MANY_INSTANCES);
+  if (code == 0)
+    code = bench_rays_run(&b->rays, b->stages, b->stage_count, &many, b->options->device, b->pairs);
+  bench_plan_free(&many);
+  return code;
+}
+
 /* ---- results ---- */
 
 /* What a contender may take at most, as a multiple of the one before it: Vulkan of the bare loop, D3D12 of Vulkan. */
@@ -342,6 +355,8 @@ static json_t *results_to_json(const bench *b) {
                                   bench_drawn_to_json(&b->drawn[1])));
   if (b->bare.pairs)
     json_object_set_new(object, "bare", bench_bare_to_json(&b->bare));
+  if (b->rays.pairs)
+    json_object_set_new(object, "rays", bench_rays_to_json(&b->rays));
   return object;
 }
 
@@ -362,6 +377,8 @@ static void print_all(FILE *to, const bench *b) {
     bench_drawn_print(to, &b->drawn[i]);
   if (b->bare.pairs)
     bench_bare_print(to, &b->bare);
+  if (b->rays.pairs)
+    bench_rays_print(to, &b->rays);
 }
 
 static int time_depth(bench *b) {
@@ -379,6 +396,8 @@ int bench_command(const host_options *options) {
     code = time_depth(b);
   if (code == 0)
     code = time_tables(b);
+  if (code == 0)
+    code = time_rays(b);
   if (code == 0) {
     print_all(output_table(options), b);
     code = output_json(options, results_to_json(b));

@@ -1,13 +1,12 @@
 #include "bench/engine.h"
 #include "base/host.h"
+#include "bench/moving.h"
 #include "native/vulkan_device.h"
 #include "csm/csm_vulkan.h"
-#include "stage/assets.h"
 #include "stage/stage.h"
 #include <stdlib.h>
-#include <string.h>
 
-enum { frame_slots = 3, warm_up = 2 * frame_slots, moved_instances = 100 };
+enum { frame_slots = 3, warm_up = 2 * frame_slots };
 
 typedef struct engine {
   vulkan_device vulkan;
@@ -15,10 +14,7 @@ typedef struct engine {
   VkCommandBuffer commands[frame_slots];
   csm_context *context;
   assets assets;
-  csm_instance *instances;
-  uint32_t instance_count;
-  csm_instance_id *ids; /* in the scene of those that move */
-  double (*places)[16]; /* where they go, moved_instances of them */
+  bench_moving moving;
   csm_scene *scenes[ENGINE_WAYS];
   csm_cascades *cascades[ENGINE_WAYS];
   csm_camera camera;
@@ -70,26 +66,12 @@ static csm_result open_context(engine *e, char *error, size_t error_size) {
   return csm_create(&info, &e->context);
 }
 
-static void fill_instances(engine *e, const bench_plan *many) {
-  for (uint32_t i = 0; i < e->instance_count; ++i) {
-    const plan_instance *from = &many->instances[i];
-    csm_instance *to = &e->instances[i];
-    *to = (csm_instance){.struct_size = sizeof *to, .mesh = e->assets.meshes[from->mesh], .transform = {[15] = 1}};
-    for (int row = 0; row < 3; ++row)
-      for (int column = 0; column < 4; ++column)
-        to->transform[column * 4 + row] = from->transform[row * 4 + column];
-  }
-}
-
 /* Each way has cascades of its own, which remember what they drew. */
 static csm_result open_way(engine *e, engine_way way, const csm_config *config) {
-  csm_result result = csm_cascades_create(e->context, config, &e->cascades[way]);
+  const csm_result result = csm_cascades_create(e->context, config, &e->cascades[way]);
   if (way == ENGINE_LIST || result)
     return result;
-  const csm_scene_batch batch = {
-      .struct_size = sizeof batch, .count = e->instance_count, .ids = e->ids, .instances = e->instances};
-  result = csm_scene_create(e->context, &e->scenes[way]);
-  return result ? result : csm_scene_add(e->scenes[way], &batch);
+  return bench_moving_scene(&e->moving, e->context, &e->scenes[way]);
 }
 
 static csm_result load_scene(engine *e, const host_setup *setup, const bench_plan *many) {
@@ -97,7 +79,7 @@ static csm_result load_scene(engine *e, const host_setup *setup, const bench_pla
   e->light = stage_light(&setup->light);
   csm_result result = assets_upload(&e->assets, e->context, &setup->scene);
   if (!result)
-    fill_instances(e, many);
+    bench_moving_make(&e->moving, many, &e->assets);
   for (int way = 0; way < ENGINE_WAYS && !result; ++way)
     result = open_way(e, (engine_way)way, &setup->config);
   return result;
@@ -109,24 +91,13 @@ static void close_engine(engine *e) {
     vkDestroyCommandPool(e->vulkan.device, e->pool, NULL);
   vulkan_device_close(&e->vulkan);
   assets_free(&e->assets);
-  free(e->instances);
-  free(e->ids);
-  free(e->places);
+  bench_moving_free(&e->moving);
 }
 
 /* ---- frames ---- */
 
-/* Some of the instances, spread over all, go up and down a metre. */
 static csm_result move_some(engine *e, double *ms) {
-  const uint32_t count = e->instance_count < moved_instances ? e->instance_count : moved_instances;
-  csm_instance_id ids[moved_instances];
-  for (uint32_t i = 0; i < count; ++i) {
-    const uint32_t from = (uint32_t)((uint64_t)i * e->instance_count / count);
-    ids[i] = e->ids[from];
-    memcpy(e->places[i], e->instances[from].transform, sizeof e->places[i]);
-    e->places[i][13] += (double)(e->frame % 2);
-  }
-  const csm_scene_batch batch = {.struct_size = sizeof batch, .count = count, .ids = ids, .matrices = e->places[0]};
+  const csm_scene_batch batch = bench_moving_next(&e->moving, e->frame);
   const double start_ms = host_cpu_ms();
   const csm_result result = csm_scene_move(e->scenes[ENGINE_MOVED], &batch);
   *ms = host_cpu_ms() - start_ms;
@@ -150,8 +121,8 @@ static csm_result record_frame(engine *e, engine_way way, double *call_ms) {
                      .light = &e->light,
                      .scene = e->scenes[way]};
   if (way == ENGINE_LIST) {
-    frame.instances = e->instances;
-    frame.instance_count = e->instance_count;
+    frame.instances = e->moving.instances;
+    frame.instance_count = e->moving.count;
   }
   const double start_ms = host_cpu_ms();
   result = csm_render_cascades(e->cascades[way], &frame);
@@ -197,7 +168,7 @@ static int measure(bench_engine *out, engine *e, uint32_t rounds) {
   for (int way = 0; way < ENGINE_WAYS; ++way)
     samples.call_ms[way] = host_allocate(rounds, sizeof(double));
   const csm_result result = record_rounds(e, &samples, rounds);
-  out->allocations = e->allocations;
+  *out = (bench_engine){.instances = e->moving.count, .moved = e->moving.moved, .allocations = e->allocations};
   if (!result)
     take_results(out, &samples, rounds);
   for (int way = 0; way < ENGINE_WAYS; ++way)
@@ -208,13 +179,8 @@ static int measure(bench_engine *out, engine *e, uint32_t rounds) {
 
 int bench_engine_run(bench_engine *out, const host_setup *setup, const bench_plan *many, const char *device,
                      uint32_t rounds) {
-  const uint32_t count = many->scene.slot_count;
-  engine e = {.instance_count = count,
-              .instances = host_allocate(count, sizeof *e.instances),
-              .ids = host_allocate(count, sizeof *e.ids),
-              .places = host_allocate(moved_instances, sizeof *e.places)};
+  engine e = {0};
   char error[512] = "";
-  *out = (bench_engine){.instances = count, .moved = count < moved_instances ? count : moved_instances};
   int code = 0;
   if (vulkan_device_open(&e.vulkan, device) || open_commands(&e))
     code = host_fail(HOST_NO_DEVICE, "an engine's Vulkan device could not be opened");

@@ -63,21 +63,35 @@ static void close_group(group *g) {
   }
 }
 
+static double timed_ms(bench_timed timed, bool is_base, const stage_stats *stats) {
+  switch (timed) {
+  case BENCH_MASK:
+    return stage_mask_ms(stats) + stage_history_ms(stats);
+  case BENCH_FRAME:
+    return stage_shadows_ms(stats);
+  case BENCH_MOMENTS:
+    return is_base ? stage_maps_ms(stats) : stats->maps.moments_gpu_ms;
+  default:
+    return stage_maps_ms(stats);
+  }
+}
+
 static double draw_once(const group *g, const lane *l) {
   if (!l->stage)
     return g->floor.draw(g->floor.user);
-  const bool draws = g->table->maps || g->table->moments;
-  l->stage->frame.flags = draws ? CSM_FRAME_TIMESTAMPS : 0;
-  if (g->table->moments) /* what does not change is not made anew */
+  const bench_timed timed = g->table->timed;
+  l->stage->frame.flags = timed == BENCH_MASK ? 0 : CSM_FRAME_TIMESTAMPS;
+  if (timed == BENCH_MOMENTS) /* what does not change is not made anew */
     l->stage->light.direction[0] += 1e-3;
   stage_stats stats = {.maps.struct_size = sizeof stats.maps, .mask.struct_size = sizeof stats.mask};
-  const csm_result result =
-      draws ? csm_render_cascades(l->cascades, &l->stage->frame) : resolve(l, CSM_FRAME_TIMESTAMPS);
+  csm_result result = CSM_SUCCESS;
+  if (timed != BENCH_MASK)
+    result = csm_render_cascades(l->cascades, &l->stage->frame);
+  if (!result && (timed == BENCH_MASK || timed == BENCH_FRAME))
+    result = resolve(l, CSM_FRAME_TIMESTAMPS);
   if (result || csm_get_stats(l->cascades, &stats.maps) || csm_get_view_stats(l->view, &stats.mask))
     return -1.0;
-  if (g->table->moments && l->row != &g->table->base)
-    return stats.maps.moments_gpu_ms;
-  return draws ? stage_maps_ms(&stats) : stage_mask_ms(&stats) + stage_history_ms(&stats);
+  return timed_ms(timed, l->row == &g->table->base, &stats);
 }
 
 static int time_group(const group *g, const bench_table *table, uint32_t pairs) {
@@ -122,7 +136,8 @@ static void take_results(bench_rows *out, const group *g, bool with_base) {
                              .ms = estimate_median(l->samples, out->pairs),
                              .to_first = estimate_ratio(l->samples, first_of(g, l)->samples, out->pairs),
                              .to_base = estimate_ratio(l->samples, base->samples, out->pairs),
-                             .most_floors = l->row->most_floors};
+                             .most_floors = l->row->most_floors,
+                             .most_bases = l->row->most_bases};
     if (out->has_floor)
       result->to_floor = estimate_ratio(l->samples, g->lanes[0].samples, out->pairs);
   }
@@ -160,6 +175,8 @@ void bench_rows_print(FILE *to, const bench_rows *rows) {
       fprintf(to, " %8.3f %7.3f .. %-7.3f", r->to_floor.median, r->to_floor.low, r->to_floor.high);
     if (rows->has_floor && r->most_floors > 0.0)
       fprintf(to, "  at most %.1f: %s", r->most_floors, r->to_floor.median <= r->most_floors ? "yes" : "NO");
+    if (r->most_bases > 0.0)
+      fprintf(to, "  at most %.1f: %s", r->most_bases, r->to_base.median <= r->most_bases ? "yes" : "NO");
     fprintf(to, "\n");
   }
 }
@@ -178,6 +195,8 @@ json_t *bench_rows_to_json(const bench_rows *rows) {
       json_object_set_new(row, "to_floor", estimate_to_json(&r->to_floor));
     if (r->most_floors > 0.0)
       json_object_set_new(row, "at_most_floors", json_real(r->most_floors));
+    if (r->most_bases > 0.0)
+      json_object_set_new(row, "at_most_bases", json_real(r->most_bases));
     json_array_append_new(list, row);
   }
   json_object_set_new(object, "about", json_string(rows->table.about));

@@ -11,14 +11,20 @@ typedef struct bench_row {
   const char *name;
   csm_config config;
   double most_floors; /* at most so many times the floor; 0: nothing is asked */
+  double most_bases;  /* at most so many times the base; likewise */
 } bench_row;
+
+typedef enum bench_timed {
+  BENCH_MASK,    /* the mask's passes alone, with its rays and its history if it has them */
+  BENCH_MAPS,    /* the maps' passes */
+  BENCH_FRAME,   /* the maps, what is made of them, and the mask */
+  BENCH_MOMENTS, /* what makes moments, but of the base, whose maps' passes are; the light turns with each frame */
+} bench_timed;
 
 /* What is to be timed. */
 typedef struct bench_table {
   const char *name, *about;
-  bool
-      moments; /* what makes moments is timed, but of the base, whose maps' passes are; the light turns with each frame */
-  bool maps;   /* the maps' passes are timed; else the mask's alone, with its history if it has one */
+  bench_timed timed;
   bench_row base;
   bench_row rows[bench_most_rows];
   uint32_t count;
@@ -34,7 +40,10 @@ void bench_table_modes(bench_table *out, const csm_config *config);
 void bench_table_maps(bench_table *out, const csm_config *config);
 /* Making and blurring moments, against the maps' passes of the configuration. */
 void bench_table_moments(bench_table *out, const csm_config *config);
-/* Makes a configuration that of its rows: a filter's moments of four maps of 1024 texels a side, blurred. */
+/* The mask with rays, and the maps with it, against those of pcf_3x3; what they may take is known for some scenes. */
+void bench_table_ray_masks(bench_table *out, const csm_config *config, const char *scene);
+void bench_table_ray_frames(bench_table *out, const csm_config *config, const char *scene);
+/* Makes a configuration that of bench_table_moments' rows: a filter's moments of four maps of 1024 texels a side, blurred. */
 void bench_moments_config(csm_config *config, uint32_t filter, uint32_t radius);
 
 /*
@@ -49,7 +58,7 @@ typedef struct bench_result {
   const char *row, *backend;
   estimate ms, to_base, to_floor;
   estimate to_first; /* the first stage's of the same row */
-  double most_floors;
+  double most_floors, most_bases;
 } bench_result;
 
 typedef struct bench_rows {

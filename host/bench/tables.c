@@ -1,5 +1,6 @@
 /* bench_tables.c: which configurations are timed. */
 #include "bench/rows.h"
+#include <string.h>
 
 static csm_config *add(bench_table *table, const char *name) {
   bench_row *row = &table->rows[table->count++];
@@ -131,7 +132,7 @@ static void add_fits(bench_table *out) {
 void bench_table_maps(bench_table *out, const csm_config *config) {
   *out = (bench_table){.name = "maps",
                        .about = "clear and all cascades, to the configuration as it is and to a bare loop",
-                       .maps = true,
+                       .timed = BENCH_MAPS,
                        .base = {.name = "base", .config = *config}};
   csm_config *base = &out->base.config;
   base->map_layout = CSM_LAYOUT_ARRAY;
@@ -175,7 +176,7 @@ static csm_config *add_moments(bench_table *table, const char *name, uint32_t fi
 void bench_table_moments(bench_table *out, const csm_config *config) {
   *out = (bench_table){.name = "moments",
                        .about = "moments of 4 maps of 1024 x 1024, made and blurred, to all maps of the configuration",
-                       .moments = true,
+                       .timed = BENCH_MOMENTS,
                        .base = {.name = "maps", .config = *config}};
   add_moments(out, "evsm4, radius 3", CSM_FILTER_EVSM4, 3);
   add_moments(out, "evsm4, no blur", CSM_FILTER_EVSM4, 0);
@@ -189,4 +190,45 @@ void bench_table_moments(bench_table *out, const csm_config *config) {
   add_moments(out, "esm, radius 3", CSM_FILTER_ESM, 3);
   add_moments(out, "evsm2, radius 3", CSM_FILTER_EVSM2, 3);
   add_moments(out, "msm4, radius 3", CSM_FILTER_MSM4, 3);
+}
+
+/* What exact shadows are to take of the default's time at most: the mask; maps and mask; the same with small maps. */
+typedef struct ray_limits {
+  const char *scene;
+  double mask, frame, small_frame;
+} ray_limits;
+
+static ray_limits limits_of(const char *scene) {
+  static const ray_limits known[] = {{"valley", 5.0, 1.4, 1.1}, {"town", 1.7, 1.1, 1.1}};
+  for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+    if (strcmp(known[i].scene, scene) == 0)
+      return known[i];
+  return (ray_limits){0};
+}
+
+static void add_exact(bench_table *out) {
+  out->base.config.filter = CSM_FILTER_PCF_3X3;
+  add_filter(out, "exact", CSM_FILTER_EXACT);
+  csm_config *small = add(out, "exact, maps of 1024");
+  small->filter = CSM_FILTER_EXACT;
+  small->resolution = 1024;
+  memset(small->resolutions, 0, sizeof small->resolutions);
+}
+
+void bench_table_ray_masks(bench_table *out, const csm_config *config, const char *scene) {
+  *out = (bench_table){.name = "masks of rays",
+                       .about = "the mask's passes, rays among them, to the mask without",
+                       .base = {.name = "pcf_3x3", .config = *config}};
+  add_exact(out);
+  out->rows[0].most_bases = limits_of(scene).mask;
+}
+
+void bench_table_ray_frames(bench_table *out, const csm_config *config, const char *scene) {
+  *out = (bench_table){.name = "frames of rays",
+                       .about = "maps and mask, rays among them, to those without",
+                       .timed = BENCH_FRAME,
+                       .base = {.name = "pcf_3x3", .config = *config}};
+  add_exact(out);
+  out->rows[0].most_bases = limits_of(scene).frame;
+  out->rows[1].most_bases = limits_of(scene).small_frame;
 }

@@ -60,9 +60,11 @@ static const char help[] =
     "512 to 2048\n"
     "  --only PART                 bench: depth (the maps' frame, planning, switching), floors, filters, modes, maps, "
     "moments, drawn\n"
-    "                              (moments written while casters are drawn; moments has it, too), or bare (the 7 x 7 "
+    "                              (moments written while casters are drawn; moments has it, too), bare (the 7 x 7 "
     "filter\n"
-    "                              against 49 comparisons); all of them if none is named\n"
+    "                              against 49 comparisons), or rays (exact shadows: trees, rays, masks, instances that "
+    "move);\n"
+    "                              all of them if none is named\n"
     "  --cascades LIST             report: numbers of maps; 1,2,3,4,5,6,7,8\n"
     "  --resolutions LIST          report: texels a side; 512,1024,2048,4096\n"
     "  --minutes M                 report, measure --presets: after one round of all it draws again only while that "
@@ -203,12 +205,12 @@ static int parse_sun_samples(host_options *out, const char *value) {
 }
 
 static int parse_only(host_options *out, const char *value) {
-  static const char *const parts[] = {"depth", "floors", "filters", "modes", "maps", "moments", "drawn", "bare"};
+  static const char *const parts[] = {"depth", "floors", "filters", "modes", "maps", "moments", "drawn", "bare", "rays"};
   out->only = value;
   for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
     if (strcmp(value, parts[i]) == 0)
       return 0;
-  return host_fail(HOST_BAD_INPUT, "--only: not depth, floors, filters, modes, maps, moments, drawn or bare: '%s'",
+  return host_fail(HOST_BAD_INPUT, "--only: not depth, floors, filters, modes, maps, moments, drawn, bare or rays: '%s'",
                    value);
 }
 

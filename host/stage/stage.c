@@ -56,11 +56,11 @@ static csm_result CSM_CALL supply_mesh(void *user, csm_mesh mesh, csm_mesh_info 
   return CSM_ERROR_INVALID_HANDLE;
 }
 
-int stage_open(stage *out, const char *backend, const char *device) {
+int stage_open_as(stage *out, const char *backend, const char *device, uint32_t flags) {
   *out = (stage){.backend = backend};
   const csm_create_info info = {.struct_size = sizeof info,
                                 .version = CSM_VERSION,
-                                .flags = CSM_CREATE_RAYS,
+                                .flags = flags,
                                 .backend = backend,
                                 .device = device,
                                 .log = stage_log,
@@ -70,6 +70,10 @@ int stage_open(stage *out, const char *backend, const char *device) {
     return HOST_NO_DEVICE;
   describe_device(out, device);
   return 0;
+}
+
+int stage_open(stage *out, const char *backend, const char *device) {
+  return stage_open_as(out, backend, device, CSM_CREATE_RAYS);
 }
 
 int stage_open_all(stage stages[HOST_BACKENDS], uint32_t *count, const host_options *options) {

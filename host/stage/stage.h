@@ -46,8 +46,10 @@ typedef struct stage_frame {
 /* For csm_create_info.log, with the stage as `user`: prints what is wrong, so that a code of a stage's has its message. */
 void CSM_CALL stage_log(void *user, int32_t level, const char *message);
 
-/* Opens a device. 0, HOST_NO_DEVICE or HOST_BAD_INPUT after a message; stage_close is always allowed. */
+/* Opens a device whose context makes trees. 0, HOST_NO_DEVICE or HOST_BAD_INPUT after a message; stage_close is always allowed. */
 int stage_open(stage *out, const char *backend, const char *device);
+/* Likewise, one whose context has these flags, of CSM_CREATE_*. */
+int stage_open_as(stage *out, const char *backend, const char *device, uint32_t flags);
 void stage_close(stage *s);
 /* Opens one for each backend that the options ask for, in their order; *count gets how many were tried. The stages are
  * all zeros before. */

@@ -28,6 +28,9 @@
 //   CSM_MESHES(row)  for CSM_RAYS: a row, a uvec4, of csm_binding.native_ray_meshes (csm_meshes.rows[row], by default:
 //                    layout(std430, binding = 2) readonly buffer meshes { uvec4 rows[]; } csm_meshes;)
 //   CSM_INSTANCES(row)   and of native_ray_instances (csm_instances.rows[row])
+//   CSM_TRACE(position, direction, apart)   for CSM_RAYS: a tracer of the includer's own in place of those two buffers: whether
+//                    anything lies between a vec3 position, relative to csm_binding.origin, and the light, in a direction
+//                    of length 1; what is no farther than `apart` metres from the plane of a triangle is on it
 //   CSM_COMPARE(uv, layer, reference)   a bilinear comparison of the includer's own, to read through instead
 //   CSM_TEXEL_LIT(texel, layer, reference)   the comparison with one texel, by its index: 1 or 0, likewise
 //

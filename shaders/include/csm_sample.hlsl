@@ -24,6 +24,9 @@
 //   CSM_MESHES(row)  for CSM_RAYS: a row, a uint4, of csm_binding.native_ray_meshes (csm_meshes[row], by default, of a
 //                    StructuredBuffer<uint4>)
 //   CSM_INSTANCES(row)   and of native_ray_instances (csm_instances[row])
+//   CSM_TRACE(position, direction, apart)   for CSM_RAYS: a tracer of the includer's own in place of those two buffers: whether
+//                    anything lies between a float3 position, relative to csm_binding.origin, and the light, in a direction
+//                    of length 1; what is no farther than `apart` metres from the plane of a triangle is on it
 //   CSM_COMPARE(uv, layer, reference)   a bilinear comparison of the includer's own, to read through instead
 //   CSM_TEXEL_LIT(texel, layer, reference)   the comparison with one texel, by its index: 1 or 0, likewise
 // No sampler that compares is needed, unless CSM_COMPARE has one: filter linear_depth gives the bilinear comparison there.

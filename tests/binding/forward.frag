@@ -1,10 +1,11 @@
 // forward.ps.hlsl in GLSL, with names of its own and a sampler apart. FORWARD_WAY: 0 compares, 1 reads depths, 2 is fixed to
 // a configuration, 3 has two lights, one of them with depths alone, 4 asks for points, 5 is fixed to
 // FORWARD_FILTER, has moments, and tells how the position changes; 6 sends rays, too, and is fixed to FORWARD_FILTER, or,
-// without it, follows the configuration; 7 has no depths beside.
+// without it, follows the configuration; 7 has no depths beside; 8 traces by itself, and binds none of csm's trees.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "csm_constants.h"
+#include "forward_boxes.h"
 
 layout(set = 0, binding = 0) uniform shadows_block
 {
@@ -13,6 +14,9 @@ layout(set = 0, binding = 0) uniform shadows_block
 layout(set = 0, binding = 1) uniform plane_block
 {
     vec4 plane[4]; // homogeneous position at (0, 0), its change for each pixel right and down; normal
+#if FORWARD_WAY == 8
+    vec4 boxes[2 * FORWARD_BOXES]; // least and largest corners
+#endif
 };
 layout(set = 0, binding = 16) uniform texture2DArray sun_maps;
 #if FORWARD_WAY >= 5
@@ -24,7 +28,22 @@ layout(set = 0, binding = 50) uniform samplerShadow sun_sampler;
 layout(set = 0, binding = 48) uniform samplerShadow sun_sampler;
 layout(set = 0, binding = 49) uniform sampler sun_point;
 #endif
-#if FORWARD_WAY >= 6
+#if FORWARD_WAY == 8
+bool is_hidden(vec3 position, vec3 direction, float apart)
+{
+    bool hidden = false;
+    for (int i = 0; i < FORWARD_BOXES; ++i)
+    {
+        vec3 a = (boxes[2 * i].xyz - position) / direction, b = (boxes[2 * i + 1].xyz - position) / direction;
+        vec3 enters = min(a, b), leaves = max(a, b);
+        float last = min(min(leaves.x, leaves.y), leaves.z);
+        hidden = hidden || (last > apart && max(max(enters.x, enters.y), enters.z) <= last);
+    }
+    return hidden;
+}
+#define CSM_RAYS 1
+#define CSM_TRACE is_hidden
+#elif FORWARD_WAY >= 6
 layout(std430, set = 0, binding = 24) readonly buffer mesh_block
 {
     uvec4 rows[];

@@ -1,9 +1,11 @@
 // An engine's forward shader in small: the light's visibility on a plane, whose point at each pixel the test says.
 // FORWARD_WAY: 0 loads texels, 1 gathers them, 2 is fixed to a configuration, 3 has two lights, 4 asks for points; 5 to 7
 // are fixed to filters vsm, evsm2 and pcss, have moments, and tell how the position changes; 8 and 9 to exact and exact_soft,
-// and send rays, as 10 does, which follows the configuration; 11 is fixed to exact, and sends none.
+// and send rays, as 10 does, which follows the configuration; 11 is fixed to exact, and sends none; 12 is, too, and traces by
+// itself.
 #include "csm_constants.h"
 #include "csm_enums.h"
+#include "forward_boxes.h"
 
 cbuffer shadows_block : register(b0)
 {
@@ -12,6 +14,9 @@ cbuffer shadows_block : register(b0)
 cbuffer plane_block : register(b1)
 {
     float4 plane[4]; // homogeneous position at (0, 0), its change for each pixel right and down; normal
+#if FORWARD_WAY == 12
+    float4 boxes[2 * FORWARD_BOXES]; // least and largest corners
+#endif
 };
 Texture2DArray<float> csm_maps : register(t0);
 
@@ -70,6 +75,21 @@ Texture2DArray<float4> csm_moments : register(t1);
 StructuredBuffer<uint4> csm_meshes : register(t8);
 StructuredBuffer<uint4> csm_instances : register(t9);
 #define CSM_RAYS 1
+#elif FORWARD_WAY == 12
+bool is_hidden(float3 position, float3 direction, float apart)
+{
+    bool hidden = false;
+    for (int i = 0; i < FORWARD_BOXES; ++i)
+    {
+        float3 a = (boxes[2 * i].xyz - position) / direction, b = (boxes[2 * i + 1].xyz - position) / direction;
+        float3 enters = min(a, b), leaves = max(a, b);
+        float last = min(min(leaves.x, leaves.y), leaves.z);
+        hidden = hidden || (last > apart && max(max(enters.x, enters.y), enters.z) <= last);
+    }
+    return hidden;
+}
+#define CSM_RAYS 1
+#define CSM_TRACE is_hidden
 #endif
 #include "forward_plain.h"
 #endif

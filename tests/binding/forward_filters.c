@@ -11,6 +11,7 @@
 #include "abi/cascades.h"
 #include "csm_constants.h"
 #include "device/tree_pool.h"
+#include "forward_boxes.h"
 #include "forward_code.h"
 #include "forward_filter_10.h"
 #include "forward_filter_11.h"
@@ -25,6 +26,8 @@
 #include "forward_rays_18.h"
 #include "forward_rays_19.h"
 #include "forward_rays_19_compared.h"
+#include "forward_traced_18.h"
+#include "forward_traced_19.h"
 #include "plane.h"
 #include "shader_code.h"
 #include "techniques/maps/maps.h"
@@ -37,8 +40,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH = 512, HEIGHT = 256, PIXELS = WIDTH * HEIGHT, BOXES = 40 };
-enum { AT_PLANE = MASK_CASCADES_BLOCK, UPLOAD_BYTES = AT_PLANE + 256 };
+enum { WIDTH = 512, HEIGHT = 256, PIXELS = WIDTH * HEIGHT, BOXES = FORWARD_BOXES };
+enum {
+  PLANE_BYTES = 64,
+  BOX_BYTES = 32,
+  AT_PLANE = MASK_CASCADES_BLOCK,
+  UPLOAD_BYTES = AT_PLANE + PLANE_BYTES + BOX_BYTES * BOXES
+};
 
 typedef struct fixture {
   record record;
@@ -101,15 +109,19 @@ static void free_objects(fixture *f) {
   gpu_buffer_destroy(f->gpu, f->readback);
 }
 
-static void open_fixture(fixture *f) {
+static void open_fixture_as(fixture *f, uint32_t flags) {
   memset(f, 0, sizeof *f);
   csm_create_info info = support_create_info(&f->record);
-  info.flags |= CSM_CREATE_RAYS;
+  info.flags |= flags;
   assert_int_equal(csm_create(&info, &f->context), CSM_SUCCESS);
   f->gpu = context_device(f->context)->gpu;
   f->view = support_view(f->context);
   place_things(f);
   make_objects(f);
+}
+
+static void open_fixture(fixture *f) {
+  open_fixture_as(f, CSM_CREATE_RAYS);
 }
 
 static void close_fixture(fixture *f) {
@@ -136,6 +148,18 @@ static void check_buffers(const fixture *f) {
   assert_true(binding->ray_instances_size >= (BOXES + 1) * RAY_RECORD_SIZE);
 }
 
+/* The corners of what casts, relative to the binding's origin. */
+static void write_boxes(float *out, const fixture *f) {
+  for (uint32_t i = 0; i < BOXES; ++i) {
+    const double *m = f->instances[i + 1].transform;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double middle = m[12 + axis] - f->binding.origin[axis], half = m[axis * 5];
+      out[i * 8 + axis] = (float)(middle - half);
+      out[i * 8 + 4 + axis] = (float)(middle + half);
+    }
+  }
+}
+
 static void bind(fixture *f) {
   csm_binding *binding = &f->binding;
   *binding = (csm_binding){.struct_size = sizeof *binding};
@@ -144,6 +168,7 @@ static void bind(fixture *f) {
   memcpy(upload, binding->cascade_constants, binding->cascade_constants_size);
   memcpy(upload + 16 * CSM_S_BEGIN, binding->setting_constants, binding->setting_constants_size);
   plane_rows((float *)(upload + AT_PLANE), f->shot.camera.view, f->shot.camera.projection, -8, WIDTH, HEIGHT);
+  write_boxes((float *)(upload + AT_PLANE + PLANE_BYTES), f);
   check_buffers(f);
 }
 
@@ -152,17 +177,18 @@ typedef struct reader {
   const char *name;
   uint32_t filter; /* ANY: as configured */
   bool glsl, rays;
-  bool all; /* it sends rays everywhere: a mask's search of a few texels overlooks some penumbras */
+  bool traced; /* it asks a tracer of its own for them */
+  bool all;    /* it sends rays everywhere: a mask's search of a few texels overlooks some penumbras */
   gpu_code code;
 } reader;
 
-enum { ANY = 0xffffffffu, MOST_READERS = 20 };
+enum { ANY = 0xffffffffu, MOST_READERS = 23 };
 
 #define GLSL(words)                                                                                                    \
   { .spirv = (words), .spirv_size = sizeof(words) }
 
-/* In HLSL a few are made, and GLSL is for Vulkan alone. */
-static uint32_t list_readers(const fixture *f, reader out[MOST_READERS]) {
+/* Of a filter. In HLSL a few are made, and GLSL is for Vulkan alone. */
+static uint32_t list_readers_of(const fixture *f, uint32_t filter, reader out[MOST_READERS]) {
   const reader all[MOST_READERS] = {
       {"HLSL", CSM_FILTER_VSM, .code = shader_forward_vsm_ps},
       {"HLSL", CSM_FILTER_EVSM2, .code = shader_forward_evsm2_ps},
@@ -171,6 +197,7 @@ static uint32_t list_readers(const fixture *f, reader out[MOST_READERS]) {
       {"HLSL", CSM_FILTER_EXACT, .rays = true, .code = shader_forward_exact_ps},
       {"HLSL", CSM_FILTER_EXACT_SOFT, .rays = true, .code = shader_forward_exact_soft_ps},
       {"HLSL, as configured", ANY, .rays = true, .code = shader_forward_rays_ps},
+      {"HLSL, own tracer", CSM_FILTER_EXACT, .rays = true, .traced = true, .code = shader_forward_traced_ps},
       {"GLSL", CSM_FILTER_VSM, .glsl = true, .code = GLSL(forward_filter_10)},
       {"GLSL", CSM_FILTER_ESM, .glsl = true, .code = GLSL(forward_filter_11)},
       {"GLSL", CSM_FILTER_EVSM2, .glsl = true, .code = GLSL(forward_filter_12)},
@@ -182,11 +209,14 @@ static uint32_t list_readers(const fixture *f, reader out[MOST_READERS]) {
       {"GLSL, no rays", CSM_FILTER_EXACT, .glsl = true, .code = GLSL(forward_filter_18)},
       {"GLSL", CSM_FILTER_EXACT, .glsl = true, .rays = true, .code = GLSL(forward_rays_18)},
       {"GLSL", CSM_FILTER_EXACT_SOFT, .glsl = true, .rays = true, .code = GLSL(forward_rays_19)},
+      {"GLSL, own tracer", CSM_FILTER_EXACT, .glsl = true, .rays = true, .traced = true,
+       .code = GLSL(forward_traced_18)},
+      {"GLSL, own tracer", CSM_FILTER_EXACT_SOFT, .glsl = true, .rays = true, .traced = true,
+       .code = GLSL(forward_traced_19)},
       {"GLSL, comparisons", CSM_FILTER_EXACT_SOFT, .glsl = true, .rays = true, .all = true,
        .code = GLSL(forward_rays_19_compared)},
       {"GLSL, as configured", ANY, .glsl = true, .rays = true, .code = GLSL(forward_rays)},
   };
-  const uint32_t filter = f->cascades->config.filter;
   const bool vulkan = strcmp(f->gpu.api->name, "vulkan") == 0;
   uint32_t count = 0;
   for (uint32_t i = 0; i < MOST_READERS; ++i) {
@@ -197,15 +227,19 @@ static uint32_t list_readers(const fixture *f, reader out[MOST_READERS]) {
   return count;
 }
 
+static uint32_t list_readers(const fixture *f, reader out[MOST_READERS]) {
+  return list_readers_of(f, f->cascades->config.filter, out);
+}
+
 static gpu_program_info program_info(const reader *reader) {
   return (gpu_program_info){
       .name = "forward",
       .vertex = shader_screen_vs,
       .pixel = reader->code,
       .constants_count = 2,
-      .constants_sizes = {MASK_CASCADES_BLOCK, 64},
+      .constants_sizes = {MASK_CASCADES_BLOCK, PLANE_BYTES + (reader->traced ? BOX_BYTES * BOXES : 0)},
       .texture_count = 2,
-      .buffer_count = reader->rays ? 2 : 0,
+      .buffer_count = reader->rays && !reader->traced ? 2 : 0,
       .sampler_count = 3,
       .samplers = {GPU_SAMPLER_POINT_CLAMP, GPU_SAMPLER_TRILINEAR_CLAMP, GPU_SAMPLER_COMPARE_LESS_EQUAL},
       .color_format = GPU_FORMAT_R8_UNORM,
@@ -229,13 +263,16 @@ static const uint8_t *draw_forward(const fixture *f, const reader *reader) {
   gpu_program *program;
   gpu_bindings *bindings;
   assert_int_equal(gpu_program_create(f->gpu, &info, &program), CSM_SUCCESS);
-  const gpu_bindings_info reads = {
-      .name = "forward",
-      .program = program,
-      .constants = {f->upload, f->upload},
-      .textures = {maps_image(&f->cascades->techniques), moments ? moments : f->none},
-      .buffers = {{.buffer = tree_pool_buffer(context_device(f->context)), .stride = TREE_POOL_ROW},
-                  {.buffer = ray_instances_buffer(&f->cascades->techniques), .stride = TREE_POOL_ROW}}};
+  gpu_bindings_info reads = {.name = "forward",
+                             .program = program,
+                             .constants = {f->upload, f->upload},
+                             .textures = {maps_image(&f->cascades->techniques), moments ? moments : f->none}};
+  if (info.buffer_count) {
+    reads.buffers[0] =
+        (gpu_buffer_part){.buffer = tree_pool_buffer(context_device(f->context)), .stride = TREE_POOL_ROW};
+    reads.buffers[1] =
+        (gpu_buffer_part){.buffer = ray_instances_buffer(&f->cascades->techniques), .stride = TREE_POOL_ROW};
+  }
   assert_int_equal(gpu_bindings_create(f->gpu, &reads, &bindings), CSM_SUCCESS);
   assert_int_equal(gpu_begin(f->gpu, &(gpu_record_info){.slot = 0, .first = true}), CSM_SUCCESS);
   if (!moments)
@@ -397,6 +434,30 @@ static void without_rays_exact_is_pcf_3x3(void **state) {
   close_fixture(&f);
 }
 
+/* A shader that traces by itself needs no trees, nor a context that makes them: its maps may be those of another filter. */
+static void compare_tracers(uint32_t filter, uint32_t maps_filter) {
+  fixture f;
+  reader readers[MOST_READERS];
+  open_fixture(&f);
+  csm_config config = config_of(filter);
+  float *mask = draw_mask(&f, &config);
+  close_fixture(&f);
+  open_fixture_as(&f, 0);
+  config.filter = maps_filter;
+  free(draw_mask(&f, &config));
+  for (uint32_t i = 0, count = list_readers_of(&f, filter, readers); i < count; ++i)
+    if (readers[i].traced)
+      compare(&f, mask, &readers[i], readers[i].name);
+  free(mask);
+  close_fixture(&f);
+}
+
+static void an_own_tracer_needs_no_trees(void **state) {
+  (void)state;
+  compare_tracers(CSM_FILTER_EXACT, CSM_FILTER_PCF_3X3);
+  compare_tracers(CSM_FILTER_EXACT_SOFT, CSM_FILTER_PCSS);
+}
+
 /* What a box is that rays cannot meet: so flat that it has no tree. */
 static void flatten_boxes(fixture *f) {
   for (uint32_t i = 1; i <= BOXES; ++i)
@@ -434,7 +495,7 @@ static void maps_decide_where_rays_meet_nothing(void **state) {
   config.filter = CSM_FILTER_EXACT;
   free(draw_mask(&f, &config));
   for (uint32_t i = 0, count = list_readers(&f, readers); i < count; ++i)
-    if (readers[i].rays)
+    if (readers[i].rays && !readers[i].traced)
       check_shares(mask, draw_forward(&f, &readers[i]), readers[i].name);
   assert_int_equal(csm_cascades_destroy(f.cascades), CSM_SUCCESS);
   free(mask);
@@ -443,9 +504,9 @@ static void maps_decide_where_rays_meet_nothing(void **state) {
 
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(every_filter_is_as_in_the_mask),      cmocka_unit_test(levels_are_as_in_the_mask),
-      cmocka_unit_test(settings_are_as_in_the_mask),         cmocka_unit_test(without_rays_exact_is_pcf_3x3),
-      cmocka_unit_test(maps_decide_where_rays_meet_nothing),
+      cmocka_unit_test(every_filter_is_as_in_the_mask), cmocka_unit_test(levels_are_as_in_the_mask),
+      cmocka_unit_test(settings_are_as_in_the_mask),    cmocka_unit_test(without_rays_exact_is_pcf_3x3),
+      cmocka_unit_test(an_own_tracer_needs_no_trees),   cmocka_unit_test(maps_decide_where_rays_meet_nothing),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof *tests);
 }

@@ -34,6 +34,10 @@ Buffer<uint4> trees : register(t8);
 #define CSM_MESHES(row) trees[int(row)]
 #define CSM_INSTANCES(row) trees[int(row) + 4096]
 #endif
+#ifdef OWN_TRACER
+bool is_hidden(float3 position, float3 direction, float apart) { return position.y + direction.y > apart; }
+#define CSM_TRACE(position, direction, apart) is_hidden(position, direction, apart)
+#endif
 #ifdef OWN_COMPARISON
 SamplerComparisonState compare : register(s1);
 #define CSM_COMPARE(uv, layer, reference) MAPS.SampleCmpLevelZero(compare, float3(uv, layer), reference)
@@ -69,6 +73,10 @@ layout(std430, set = 0, binding = 8) readonly buffer instances { uvec4 rows[]; }
 layout(set = 0, binding = 7) uniform utextureBuffer trees;
 #define CSM_MESHES(row) texelFetch(trees, int(row))
 #define CSM_INSTANCES(row) texelFetch(trees, int(row) + 4096)
+#endif
+#ifdef OWN_TRACER
+bool is_hidden(vec3 position, vec3 direction, float apart) { return position.y + direction.y > apart; }
+#define CSM_TRACE is_hidden
 #endif
 #ifdef OWN_COMPARISON
 #define CSM_COMPARE(uv, layer, reference) textureGrad(MAPS, vec4(uv, layer, reference), vec2(0.0), vec2(0.0))
@@ -126,7 +134,7 @@ float main(float4 p : SV_Position) : SV_Target
     return both * csm_visibility(p.xyz, p.xyz, csm_view_depth(p.xyz));
 }
 """
-# Rays to two suns through the same meshes, by two prefixes.
+# Rays to two suns through the same meshes, by two prefixes; or to one of them by a tracer that the other does not have.
 hlsl_prefixes = """#include "csm_constants.h"
 cbuffer shadows : register(b0) { float4 suns[2][CSM_C_COUNT]; };
 Texture2DArray<float> maps : register(t0);
@@ -136,7 +144,11 @@ StructuredBuffer<uint4> moon_instances : register(t10);
 #define CSM_PREFIX moon_
 #define CSM_RAYS 1
 #define CSM_FILTER CSM_FILTER_EXACT_SOFT
+#ifdef MOON_TRACER
+#define CSM_TRACE(position, direction, apart) (position.y + direction.y > apart)
+#else
 #define CSM_INSTANCES(row) moon_instances[row]
+#endif
 #define CSM_CONSTANTS suns[1]
 #define CSM_MAPS maps
 #include "csm_sample.hlsl"
@@ -206,12 +218,15 @@ for language, source, rows in ("HLSL", hlsl, {"ROWS": "1"}), ("GLSL", glsl, {"RO
         fixed = {**rays, "CSM_FILTER": str(kind)}
         cases[f"{language}, rays, filter {kind}"] = source, "frag", {**fixed, **rows}, None, False
         cases[f"{language}, rays, filter {kind}, own rows"] = source, "frag", {**fixed, "OWN_ROWS": "1"}, None, False
+        cases[f"{language}, rays, filter {kind}, own tracer"] = source, "frag", {**fixed, "OWN_TRACER": "1"}, None, False
     cases[f"{language}, rays, all but maps fixed, a point"] = source, "frag", {
         **rays, **rows, **least, "CSM_FILTER": "18", "ASKED": "csm_visibility_point(p.xyz,p.w)"}, None, False
     cases[f"{language}, rays, as configured"] = source, "frag", {**rays, **rows}, None, False
+    cases[f"{language}, rays, as configured, own tracer"] = source, "frag", {**rays, "OWN_TRACER": "1", "CSM_SOFT": "1"}, None, False
     cases[f"{language}, rays, as configured, soft"] = source, "frag", {**rays, **rows, "CSM_SOFT": "1"}, None, False
     cases[f"{language}, no rays for filter 1"] = source, "frag", {**rays, "CSM_FILTER": "1"}, None, False
 cases["HLSL, rays to two suns"] = hlsl_prefixes, "frag", {}, None, False
+cases["HLSL, rays to two suns, one by a tracer"] = hlsl_prefixes, "frag", {"MOON_TRACER": "1"}, None, False
 cases["GLSL, two suns in a compute shader"] = compute, "comp", {}, {LIT}, False
 cases["HLSL, two suns"] = hlsl_suns, "frag", {}, {LOAD}, False
 

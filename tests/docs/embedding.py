@@ -65,6 +65,8 @@ def compile_shaders(folder):
             folder / f"{name}.frag")
         run(glslang, "-V", "-D", "-e", "main", "-S", "frag", "--target-env", "vulkan1.1", f"-I{root}/shaders/include",
             "-o", folder / f"{name}_hlsl.spv", folder / f"{name}.ps.hlsl")
+    run(glslang, "-V", "--target-env", "vulkan1.2", f"-I{root}/shaders/include", "-o", folder / "traced.spv",
+        folder / "traced.frag")
     source = root / "tests/docs/points.cs.hlsl"
     if files["points.cs.hlsl"] != source.read_text():
         sys.exit("points.cs.hlsl of docs/embedding.md is not that of tests/docs: copy it there and run ./dev shaders")

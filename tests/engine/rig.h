@@ -77,7 +77,7 @@ typedef struct rig_buffer {
   void *memory; /* VkDeviceMemory; Direct3D 12: NULL */
 } rig_buffer;
 
-typedef enum rig_buffer_use { RIG_GEOMETRY, RIG_READBACK } rig_buffer_use;
+typedef enum rig_buffer_use { RIG_GEOMETRY, RIG_READBACK, RIG_CONSTANTS } rig_buffer_use;
 
 /* Mapped and coherent. */
 rig_buffer rig_buffer_make(rig *rig, rig_buffer_use use, uint64_t size);

@@ -33,7 +33,7 @@ rig_buffer rig_d3d12_buffer(rig *rig, D3D12_HEAP_TYPE heap, uint64_t size) {
 }
 
 rig_buffer rig_buffer_make(rig *rig, rig_buffer_use use, uint64_t size) {
-  return rig_d3d12_buffer(rig, use == RIG_GEOMETRY ? D3D12_HEAP_TYPE_UPLOAD : D3D12_HEAP_TYPE_READBACK, size);
+  return rig_d3d12_buffer(rig, use == RIG_READBACK ? D3D12_HEAP_TYPE_READBACK : D3D12_HEAP_TYPE_UPLOAD, size);
 }
 
 void rig_buffer_free(rig *rig, rig_buffer *buffer) {

@@ -16,11 +16,12 @@ VkDeviceMemory rig_vulkan_allocate(const rig *rig, const VkMemoryRequirements *n
 /* ---- buffers ---- */
 
 rig_buffer rig_buffer_make(rig *rig, rig_buffer_use use, uint64_t size) {
-  const VkBufferUsageFlags geometry = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT;
-  const VkBufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-                                   .size = size,
-                                   .usage = use == RIG_GEOMETRY ? geometry | VK_BUFFER_USAGE_TRANSFER_SRC_BIT
-                                                                : VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+  static const VkBufferUsageFlags usages[] = {[RIG_GEOMETRY] = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT |
+                                                               VK_BUFFER_USAGE_INDEX_BUFFER_BIT |
+                                                               VK_BUFFER_USAGE_TRANSFER_SRC_BIT,
+                                              [RIG_READBACK] = VK_BUFFER_USAGE_TRANSFER_DST_BIT,
+                                              [RIG_CONSTANTS] = VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT};
+  const VkBufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = size, .usage = usages[use]};
   VkBuffer handle;
   rig_vulkan_must(vkCreateBuffer(rig->device, &info, NULL, &handle), "vkCreateBuffer");
   VkMemoryRequirements needs;

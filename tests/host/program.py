@@ -204,6 +204,31 @@ def check_bench(folder, scene):
         expect({"floor", "set_up", "loop_49", "pcf_7x7"} == bare["gpu_ms"].keys(), f"bare passes: {bare}")
 
 
+def in_order(estimate):
+    return 0 < estimate["low"] <= estimate["median"] <= estimate["high"]
+
+
+def check_bench_rays(folder, scene):
+    rays = bench_part("rays", folder, scene)
+    costs = rays["costs"]
+    expect(sorted(c["backend"] for c in costs) == sorted(backends), f"bench --only rays: {[c['backend'] for c in costs]}")
+    for c in costs:
+        expect(c["triangles"] == 24 and c["instances"] == 3, f"two boxes, one of them twice: {c}")
+        expect(c["mesh_tree_bytes"] > 24 * 48 and c["instance_tree_bytes"] > 3 * 128, f"a tree's bytes: {c}")
+        expect(all(in_order(c[key]) for key in ("mesh_trees_ms", "ns_a_triangle", "instance_tree_ms", "ns_a_ray")), c)
+        expect(c["ray_pixels"] > 0 and c["nodes_a_ray"] > 1 and c["triangles_a_ray"] > 0, f"rays that meet nothing: {c}")
+        expect(c["ray_map_pixels"] == 0, f"a mesh without a tree: {c}")
+        moved = c["moved"]
+        expect(moved["instances"] == 10000 and moved["moved"] == 100, moved)
+        expect(all(in_order(moved[key]) for key in ("frame/plain", "call/plain", "tree_ms")), moved)
+    same = ("ray_pixels", "nodes_a_ray", "triangles_a_ray", "mesh_tree_bytes", "instance_tree_bytes")
+    expect(len({tuple(c[key] for key in same) for c in costs}) == 1, f"bench --only rays: the backends differ: {costs}")
+    for table in rays["masks"], rays["frames"]:
+        names = {(row["name"], row["backend"]) for row in table["rows"]}
+        expect(names == {(n, b) for n in ("pcf_3x3", "exact", "exact, maps of 1024") for b in backends}, names)
+        expect(all(in_order(row["to_base"]) for row in table["rows"]), f"bench --only rays: {table}")
+
+
 # ---- machines and installations that lack something ----
 
 
@@ -369,6 +394,7 @@ with tempfile.TemporaryDirectory() as scratch:
 
     check_hard(folder)
     check_bench(folder, folder / "scene.gltf")
+    check_bench_rays(folder, folder / "scene.gltf")
     check_lacks(folder, folder / "scene.gltf")
     check_written(folder, folder / "scene.gltf")
 print(f"{checks} checks")

@@ -25,6 +25,19 @@ static double length(const double *v, int stride) {
   return sqrt(v[0] * v[0] + v[stride] * v[stride] + v[2 * stride] * v[2 * stride]);
 }
 
+/* At least the length that a metre may have after a transform of three rows: of rows across each other just that.
+   Gershgorin's bound of the largest eigenvalue of it times its transpose. */
+static double widest(const double rows[9]) {
+  double square = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    double sum = 0.0;
+    for (int k = 0; k < 3; ++k)
+      sum += fabs(rows[3 * i] * rows[3 * k] + rows[3 * i + 1] * rows[3 * k + 1] + rows[3 * i + 2] * rows[3 * k + 2]);
+    square = fmax(square, sum);
+  }
+  return sqrt(square);
+}
+
 /* The inverse of a transform's nine, in rows; false: too flat. Numbers are at most PLAN_LARGEST. */
 static bool invert(double out[9], const double t[12]) {
   double m[16] = {0}, inverse[16];
@@ -87,14 +100,12 @@ static void write_tree(record *to, const mesh_rays *rays) {
 
 void ray_record_write(void *out, const plan_instance *instance, const plan_bounds *bounds, const mesh_rays *rays) {
   record to = {.rows = {{1.0f}, {0.0f, 1.0f}, {0.0f, 0.0f, 1.0f}}, .tree = {0, 0, 0, MESH_RAYS_NONE}};
-  double inverse[9], place[3], widest = 0.0;
+  double inverse[9], place[3];
   if (rays && invert(inverse, instance->transform) && find_place(place, instance, bounds)) {
-    for (int row = 0; row < 3; ++row) {
+    for (int row = 0; row < 3; ++row)
       for (int column = 0; column < 3; ++column)
         to.rows[row][column] = (float)inverse[row * 3 + column];
-      widest = fmax(widest, length(&inverse[row * 3], 1));
-    }
-    to.low[3] = (float)widest;
+    to.low[3] = (float)widest(inverse);
     write_place(&to, place);
     write_tree(&to, rays);
   }
