@@ -26,7 +26,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WIDTH = 256, HEIGHT = 128, PIXELS = WIDTH * HEIGHT, BOXES = 40, CASCADES = 3, RESOLUTION = 512 };
+enum { WIDTH = 192, HEIGHT = 96, PIXELS = WIDTH * HEIGHT, BOXES = 40, CASCADES = 3, RESOLUTION = 512 };
 enum { FILTERS = CSM_FILTER_GRID_17 + 1 };
 enum { READERS = 10, PICTURES = 1 + READERS }; /* the mask; what a forward shader gives that reads maps in each way */
 
