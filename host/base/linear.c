@@ -17,8 +17,10 @@ double vec_dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/* hypot is slow, and only what is huge or tiny needs it: squares would leave a double's range. */
 double vec_length(const double a[3]) {
-  return hypot(hypot(a[0], a[1]), a[2]);
+  const double square = vec_dot(a, a);
+  return square > 1e-200 && square < 1e200 ? sqrt(square) : hypot(hypot(a[0], a[1]), a[2]);
 }
 
 bool vec_normalize(double v[3]) {

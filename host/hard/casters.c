@@ -65,6 +65,7 @@ static double foot_distance(const caster_sheet *sheet, const double point[2]) {
 
 static void begin(caster_scene *s, const double from[3], const double at[3], double reach) {
   hard_setup_begin(&s->setup, 320, 180);
+  s->setup.config.resolution = 1024;
   hard_look(&s->setup, from, at, 60.0);
   hard_reach(&s->setup, reach);
   hard_ground(&s->builder, (const double[3]){0.0, 0.0, 0.0}, 150.0, 8);
@@ -324,6 +325,7 @@ static int draw_reader(hard_run *run, const csm_config *config, hard_picture *ou
   return code;
 }
 
+/* Each with one map and with three; the short form has these in turn. */
 static int draw_readers(hard_run *run, caster_drawing *d) {
   static const reader readers[] = {{"pcf_n of 31 taps", CSM_FILTER_PCF_N, 0, 0, 0},
                                    {"evsm4, a blur of 32", CSM_FILTER_EVSM4, 32, 0, 0},
@@ -340,6 +342,8 @@ static int draw_readers(hard_run *run, caster_drawing *d) {
   for (size_t i = 0; code == 0 && i < 2 * sizeof readers / sizeof readers[0]; i++) {
     const reader *r = &readers[i / 2];
     uint64_t all = 0, seen = 0;
+    if (!run->sweep && i % 2 != i / 2 % 2)
+      continue;
     const csm_config whole = reader_config(&s.setup, r, i % 2 ? 3 : 1, CSM_CASTER_SET_MAP);
     const csm_config view = reader_config(&s.setup, r, i % 2 ? 3 : 1, CSM_CASTER_SET_VIEW);
     code = draw_reader(run, &whole, &d->drawn, &all);
@@ -435,7 +439,7 @@ static int find_texel(hard_run *run, double *texel, caster_drawing *d) {
 static int draw_wires(hard_run *run, caster_drawing *d) {
   static const double widths[] = {4.0, 1.4, 1.0, 0.5, 0.25, 0.1, 2.0, 0.7};
   const size_t count = run->sweep ? sizeof widths / sizeof widths[0] : 6;
-  const int turns = run->sweep ? 24 : 4;
+  const int turns = run->sweep ? 24 : 2;
   double texel;
   int code = find_texel(run, &texel, d);
   for (size_t i = 0; code == 0 && i < count; i++)

@@ -41,7 +41,7 @@ static const yard yards[] = {
     {.name = "maps of 16 bits", .near = 0.1, .far = INFINITY, .ground = 256.0, .d16 = true},
     {.name = "a ground of 10^6 m", .near = 0.1, .far = INFINITY, .ground = 1e6, .lowest = 20.0, .edge_px = 8.0},
 };
-enum { YARDS = sizeof yards / sizeof yards[0], WIDTH = 256, HEIGHT = 144 };
+enum { YARDS = sizeof yards / sizeof yards[0], WIDTH = 160, HEIGHT = 90 };
 
 /* Clip z from the near plane to the far one, either way. */
 static void set_depths(camera *c, const yard *of) {
@@ -82,6 +82,7 @@ static void make_yard(host_setup *out, const yard *of) {
   set_depths(&out->camera, of);
   out->config.split_mode = of->width > 0.0 ? CSM_SPLIT_UNIFORM : out->config.split_mode;
   hard_reach(out, 60.0 * scale);
+  out->config.resolution = 1024;
   out->config.map_format = of->d16 ? CSM_MAP_D16 : CSM_MAP_D32;
   mat_identity(moved);
   for (int axis = 0; axis < 3; axis++)

@@ -68,10 +68,10 @@ static const shell shells[] = {{"a box", build_box},
 enum { SHELLS = sizeof shells / sizeof shells[0] };
 
 /* Within the shell stands a floor with a ball on it, and the camera. */
-static void make_shell(host_setup *out, const shell *of, double half, const double at[3]) {
+static void make_shell(host_setup *out, const shell *of, double half, const double at[3], uint32_t width) {
   mesh_builder b = {0};
   const double floor = -0.45 * half, wide = 0.6 * half;
-  hard_setup_begin(out, 160, 90);
+  hard_setup_begin(out, width, width * 9 / 16);
   of->build(&b, half);
   hard_add(out, &b, "shell", at);
   builder_quad(
@@ -83,7 +83,7 @@ static void make_shell(host_setup *out, const shell *of, double half, const doub
   hard_look(out, (const double[3]){at[0] - 0.3 * half, at[1] + 0.2 * half, at[2] + 0.5 * half},
             (const double[3]){at[0], at[1] - 0.1 * half, at[2]}, 90.0);
   out->scene.camera.near_depth = 1e-3 * half;
-  camera_from_pose(&out->camera, &out->scene.camera, 160.0 / 90.0);
+  camera_from_pose(&out->camera, &out->scene.camera, 16.0 / 9.0);
   hard_reach(out, 8.0 * half);
   out->config.resolution = 256;
 }
@@ -117,7 +117,7 @@ static int draw_shell(hard_run *run, const shell *of, double half, const double 
   hard_truth truth = {0};
   char what[64];
   uint64_t turned = 0;
-  make_shell(&setup, of, half, at);
+  make_shell(&setup, of, half, at, run->sweep ? 160 : 96);
   snprintf(what, sizeof what, "in %s of %.0e m%s", of->name, half, at[0] != 0.0 ? ", far away" : "");
   const exact_asked asked = {.what = what, .margin = {.cosine = 0.1}, .closed = true};
   int code = hard_load(run, &setup);
@@ -150,20 +150,20 @@ static int draw_shells(hard_run *run) {
 /* ---- edges and vertices ---- */
 
 /* A square of ground from above, under a roof whose vertices stand over the pixels' middles, or between two of them. */
-static void make_roof(host_setup *out, double shift, bool halves) {
-  enum { SIDE = 64, CELLS = 2 * SIDE };
+static void make_roof(host_setup *out, double shift, bool halves, uint32_t side) {
+  const uint32_t all = 2 * side;
   mesh_builder b = {0};
-  overhead_begin(out, &(overhead){.side = SIDE, .eye = 4.0, .floor = -1.0, .pixels = SIDE});
-  hard_ground(&b, (const double[3]){0.0, 0.0, 0.0}, SIDE, 1);
+  overhead_begin(out, &(overhead){.side = side, .eye = 4.0, .floor = -1.0, .pixels = side});
+  hard_ground(&b, (const double[3]){0.0, 0.0, 0.0}, side, 1);
   hard_add(out, &b, "ground", NULL);
   for (int half = 0; half < 1 + halves; half++) {
     /* Two roofs meet along x = shift */
-    const double begin = halves && half ? shift : shift - CELLS / 2.0, cells = CELLS / (1.0 + halves);
+    const double begin = halves && half ? shift : shift - all / 2.0, cells = all / (1.0 + halves);
     const uint32_t across = (uint32_t)cells, first = (uint32_t)b.vertex_count;
-    for (uint32_t j = 0; j <= CELLS; j++)
+    for (uint32_t j = 0; j <= all; j++)
       for (uint32_t i = 0; i <= across; i++)
-        builder_vertex(&b, begin + i, 8.0, shift - CELLS / 2.0 + j);
-    for (uint32_t j = 0; j < CELLS; j++)
+        builder_vertex(&b, begin + i, 8.0, shift - all / 2.0 + j);
+    for (uint32_t j = 0; j < all; j++)
       for (uint32_t i = 0; i < across; i++) {
         const uint32_t at = first + j * (across + 1) + i;
         builder_triangle(&b, at, at + across + 1, at + across + 2);
@@ -179,7 +179,7 @@ static int draw_roofs(hard_run *run) {
   int code = 0;
   for (uint32_t i = 0; code == 0 && i < 16; i++) {
     host_setup setup;
-    make_roof(&setup, i & 1 ? 0.5 : 0.0, i & 2);
+    make_roof(&setup, i & 1 ? 0.5 : 0.0, i & 2, run->sweep ? 64 : 32);
     for (int k = 0; k < 3; k++)
       setup.light.direction[k] = ways[i / 4][k];
     code = exact_judge_setup(

@@ -239,11 +239,12 @@ hard_difference hard_compare(hard_run *run, const hard_picture *expected, const 
 /* ---- moving ---- */
 
 /*
- * Draws the maps and mask of each frame, `count` of them, cameras and lights, and hands each pair of neighbours'
- * flicker to `each`, with the index of its second frame.
+ * Draws the maps and mask of each frame, `count` of them, cameras and lights, on every backend, and hands each pair of
+ * neighbours' flicker to `each`, with the index of its second frame.
  */
 typedef struct hard_path {
   uint32_t count;
+  bool alone; /* by the first backend only */
   const camera *cameras;
   const scene_light *lights;
   void (*each)(void *user, uint32_t index, const flicker *pair);

@@ -234,9 +234,10 @@ static int run_case(hard_run *run) {
   static const double heights[] = {0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0}, discs[] = {0.53, 5.0};
   static const double suns[][2] = {{90.0, 0.0}, {45.0, 0.0}, {30.0, 60.0}};
   int code = 0;
+  /* The short form has each height under one of the discs. */
   for (int d = 0; d < 2; d++)
     for (int h = 0; h < 7; h++)
-      for (int s = 0; code == 0 && s < (run->sweep ? 3 : 1 + h % 2); s++)
+      for (int s = 0; code == 0 && s < (run->sweep ? 3 : ((d + h) % 2 ? 0 : 1 + h % 2)); s++)
         code = draw_place(run, &(place){heights[h], discs[d], suns[s][0], suns[s][1]});
   return code;
 }

@@ -155,7 +155,8 @@ static int begin(tally *t, const motion *how, hard_picture *scratch) {
   return code;
 }
 
-static int walk(hard_run *run, const motion *how, const char *fit_name, hard_picture *scratch) {
+/* On every backend, or by the first one alone. */
+static int walk(hard_run *run, const motion *how, const char *fit_name, bool alone, hard_picture *scratch) {
   const uint32_t count = run->sweep ? how->sweep_frames : how->frames;
   camera *cameras = host_allocate(count, sizeof *cameras);
   scene_light *lights = host_allocate(count, sizeof *lights);
@@ -165,8 +166,12 @@ static int walk(hard_run *run, const motion *how, const char *fit_name, hard_pic
   for (uint32_t i = 0; i < count; i++)
     lights[i] = run->setup->light;
   if (code == 0)
-    code = hard_walk(run,
-                     &(hard_path){.count = count, .cameras = cameras, .lights = lights, .each = add_pair, .user = &t});
+    code = hard_walk(run, &(hard_path){.count = count,
+                                       .alone = alone,
+                                       .cameras = cameras,
+                                       .lights = lights,
+                                       .each = add_pair,
+                                       .user = &t});
   if (code == 0) {
     /* The grid stays, so that only what floats round differently may change. */
     hard_figure_add(run, t.points ? 100.0 * (double)t.changed / (double)t.points : INFINITY, 0.005, "%",
@@ -181,7 +186,7 @@ static int walk(hard_run *run, const motion *how, const char *fit_name, hard_pic
 
 /*
  * Filters on moments and soft ones, at one level, for a level follows from the camera: what is blurred, and the pattern of
- * what is not, lie in the world too. The short form turns one of each.
+ * what is not, lie in the world too. The short form turns one of each, on one backend.
  */
 static int walk_filters(hard_run *run, hard_picture *scratch) {
   int code = 0;
@@ -195,11 +200,12 @@ static int walk_filters(hard_run *run, hard_picture *scratch) {
       config.moment_sampling = CSM_SAMPLING_BILINEAR;
       code = hard_restart(run, &config);
       if (code == 0)
-        code = walk(run, &motions[i], hard_filters[f].name, scratch);
+        code = walk(run, &motions[i], hard_filters[f].name, !run->sweep, scratch);
     }
   return code;
 }
 
+/* The short form has two of the fits, and the second of them on one backend. */
 static int run_case(hard_run *run) {
   host_setup setup;
   hard_picture scratch = {0};
@@ -213,7 +219,7 @@ static int run_case(hard_run *run) {
       config.fit_mode = fits[f].mode;
       code = hard_restart(run, &config);
       if (code == 0)
-        code = walk(run, &motions[i], fits[f].name, &scratch);
+        code = walk(run, &motions[i], fits[f].name, !run->sweep && f, &scratch);
     }
   if (code == 0)
     code = walk_filters(run, &scratch);

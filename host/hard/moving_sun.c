@@ -42,11 +42,8 @@ static bool turned(tally *t) {
   return changed;
 }
 
-/* Called for each backend in turn; they draw the same, and the first one counts. */
 static void add_pair(void *user, uint32_t index, const flicker *pair) {
   tally *t = user;
-  if (index == t->pairs)
-    return;
   t->pairs = index;
   t->points += pair->points;
   t->changed += pair->changed;
@@ -86,6 +83,13 @@ static camera camera_at(const hard_run *run, const double offset[3], double way)
   return at;
 }
 
+/* By the first backend: the same plans would be drawn by the other one, and each walk's first frame is compared. */
+static int walk_alone(hard_run *run, uint32_t count, const camera *cameras, const scene_light *lights, tally *out) {
+  const hard_path path = {
+      .count = count, .alone = true, .cameras = cameras, .lights = lights, .each = add_pair, .user = out};
+  return hard_walk(run, &path);
+}
+
 static int walk(tally *out, hard_run *run, const motion *how, const csm_config *config, const double offset[3]) {
   camera *cameras = host_allocate(how->frames, sizeof *cameras);
   scene_light *lights = host_allocate(how->frames, sizeof *lights);
@@ -96,12 +100,11 @@ static int walk(tally *out, hard_run *run, const motion *how, const csm_config *
     lights[i] = sun_at(how->degrees * degrees * i);
   }
   int code = hard_restart(run, config);
-  if (code == 0) /* which notes how the first frame's maps are turned */
+  if (code == 0) /* which notes how the first frame's maps are turned, and compares the backends */
     code = hard_draw(run, &cameras[0], &lights[0], 0, &scratch);
   (void)turned(out);
   if (code == 0)
-    code = hard_walk(
-        run, &(hard_path){.count = how->frames, .cameras = cameras, .lights = lights, .each = add_pair, .user = out});
+    code = walk_alone(run, how->frames, cameras, lights, out);
   hard_picture_free(&scratch);
   free(cameras);
   free(lights);
@@ -154,8 +157,7 @@ static int rest(hard_run *run, const double offset[3], const char *where) {
   }
   t = (tally){.run = run};
   if (code == 0)
-    code = hard_walk(
-        run, &(hard_path){.count = rests.frames, .cameras = cameras, .lights = lights, .each = add_pair, .user = &t});
+    code = walk_alone(run, rests.frames, cameras, lights, &t);
   if (code == 0)
     hard_figure_add(run, (double)t.changed, 0.0, "points", "flicker at rest, %s", where);
   return code;

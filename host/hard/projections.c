@@ -414,6 +414,7 @@ static int run_perspective(hard_run *run) {
   static const double planes[][4] = {{-0.3, 0.1, -1.0, -3.0}, {0.1, -0.8, -0.6, -2.0}};
   base b = {0};
   hard_setup_begin(&b.setup, 320, 180);
+  b.setup.config.resolution = run->sweep ? 2048 : 1024;
   hard_yard(&b.setup, false);
   int code = base_draw(&b, run);
   if (code == 0)
@@ -440,7 +441,7 @@ static int run_filters(hard_run *run) {
       continue;
     hard_setup_begin(&b.setup, 320, 180);
     hard_yard(&b.setup, false);
-    b.setup.config.resolution = 512;
+    b.setup.config.resolution = run->sweep ? 512 : 256;
     hard_filter_set(&b.setup.config, &hard_filters[i]);
     code = base_draw(&b, run);
     for (uint32_t k = 0; code == 0 && k < WRITINGS; k += run->sweep ? 1 : 3) {
@@ -460,6 +461,7 @@ static int run_filters(hard_run *run) {
 static int run_orthographic(hard_run *run) {
   base b = {0};
   hard_setup_begin(&b.setup, 320, 180);
+  b.setup.config.resolution = run->sweep ? 2048 : 1024;
   hard_yard(&b.setup, false);
   make_orthographic(&b.setup);
   int code = base_draw(&b, run);

@@ -14,8 +14,9 @@ int hard_walk(hard_run *run, const hard_path *path) {
   if (!run->truth)
     run->truth = truth_create(&run->setup->scene, true);
   store.caster = run->truth;
-  const int code = measure_path_run(results, &measured, &store, run->stages, run->stage_count, 256);
-  for (uint32_t i = 0; i < run->stage_count; i++)
+  const uint32_t count = path->alone ? 1 : run->stage_count;
+  const int code = measure_path_run(results, &measured, &store, run->stages, count, 256);
+  for (uint32_t i = 0; i < count; i++)
     path_result_free(&results[i]);
   return code;
 }

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """
-includes.py GLSLANG SPIRV_VAL SPIRV_DIS SOURCE_ROOT: shaders/include compiles as engines include it, by the compiler's own
+includes.py GLSLANG SPIRV_VAL SPIRV_DIS SOURCE_ROOT [--long]: shaders/include compiles as engines include it, by the compiler's own
 #include, in either language, with names of the includer's choice and each filter; and both languages lay the constants
-out as csm_constants.h says.
+out as csm_constants.h says. Without --long defines are fixed several at a time, and each filter with some of the ways
+to read.
 """
 import concurrent.futures
 import pathlib
@@ -11,7 +12,8 @@ import subprocess
 import sys
 import tempfile
 
-glslang, spirv_val, spirv_dis, root = sys.argv[1:]
+glslang, spirv_val, spirv_dis, root = sys.argv[1:5]
+every = "--long" in sys.argv
 include = pathlib.Path(root) / "shaders/include"
 count = int(re.search(r"#define CSM_C_COUNT (\d+)", (include / "csm_constants.h").read_text())[1])
 
@@ -182,18 +184,24 @@ NEAREST, FIRST_OF_MOMENTS, FIRST_SOFT, FIRST_OF_RAYS, FILTERS = 2, 10, 15, 18, 2
 cases = {}  # source, stage, macros, the instructions that read (None: any), whether one is all
 for way, (source, defines, reads, texel_reads) in ways.items():
     cases[f"{way}, as configured"] = source, "frag", defines, reads | texel_reads, False
-    for kind in (NEAREST, FIRST_OF_MOMENTS - 1) if "own comparison" in way else range(FIRST_OF_MOMENTS):
+    usual_way = way in ("HLSL, loads", "GLSL, gathers with comparison")
+    some = (NEAREST, FIRST_OF_MOMENTS - 1) if "own comparison" in way else (1, NEAREST, 4, 6, FIRST_OF_MOMENTS - 1)
+    for kind in range(FIRST_OF_MOMENTS) if usual_way or (every and "own comparison" not in way) else some:
         fixed, nearest = {**defines, "CSM_FILTER": str(kind)}, kind == NEAREST
         cases[f"{way}, filter {kind}"] = source, "frag", fixed, texel_reads if nearest else reads, nearest
 # Each define fixed to each of its values, and all of them; what is fixed away is not read.
 axes = {"CSM_BIAS_MODE": 2, "CSM_BIAS_UNITS": 2, "CSM_NORMAL_OFFSET_ON": 2, "CSM_NORMAL_OFFSET_MODE": 3, "CSM_SELECTION": 3, "CSM_OUT_OF_RANGE": 3,
         "CSM_BLENDING": 3, "CSM_MAPS_ALIKE": 2, "CSM_MAPS_REVERSED": 2, "CSM_FILTER_WEIGHTS": 3, "CSM_EARLY_OUT": 2}
 for language, source, reads in (("HLSL", hlsl, {LOAD}), ("GLSL", glsl, {GATHER_LIT, LIT})):
-    for name, many in axes.items():
+    for value in range(3):  # of all of them at once
+        fixed = {name: str(value % many) for name, many in axes.items()}
+        once = reads - {LIT} if value % 2 == 0 else reads  # one depth for four texels
+        cases[f"{language}, values {value}"] = source, "frag", {**usual, "CSM_FILTER": "4", **fixed}, once, False
+    for name, many in axes.items() if every else ():
         for value in range(many):
             once = reads - {LIT} if (name, value) == ("CSM_BIAS_MODE", 0) else reads  # one depth for four texels
             cases[f"{language}, {name} {value}"] = source, "frag", {**usual, "CSM_FILTER": "4", name: str(value)}, once, False
-    for cascades in range(1, 9):
+    for cascades in range(1, 9) if every else (1, 4, 8):
         cases[f"{language}, {cascades} cascades"] = source, "frag", {
             **usual, "CSM_FILTER": "CSM_FILTER_PCF_3X3", "CSM_CASCADES": str(cascades)}, reads, False
     least = {**usual, **{name: "0" for name in axes}, "CSM_SELECTION": "CSM_SELECT_MAP", "CSM_FILTER": "0"}
@@ -207,8 +215,11 @@ for language, source, reads in (("HLSL", hlsl, {LOAD}), ("GLSL", glsl, {GATHER_L
     grad = {"ASKED": "csm_visibility_grad(p.xyz,p.xyz,csm_view_depth(p.xyz),p.yzx,p.zxy)"}
     for kind in range(FIRST_OF_MOMENTS, FILTERS):
         fixed, of_moments = {**usual, "CSM_FILTER": str(kind), "MOMENTS": "csm_moments"}, kind < FIRST_SOFT
-        cases[f"{language}, filter {kind}"] = source, "frag", fixed, {MOMENTS} if of_moments else None, False
-        cases[f"{language}, filter {kind}, levels"] = source, "frag", {**fixed, **grad}, {MOMENTS} if of_moments else None, False
+        expected = {MOMENTS} if of_moments else None
+        if every or kind % 2 == (source == hlsl):
+            cases[f"{language}, filter {kind}"] = source, "frag", fixed, expected, False
+        if every or kind % 2 != (source == hlsl):
+            cases[f"{language}, filter {kind}, levels"] = source, "frag", {**fixed, **grad}, expected, False
     cases[f"{language}, moments and soft, as configured"] = source, "frag", {
         **usual, **grad, "MOMENTS": "moments", "CSM_MOMENTS": "moments", "CSM_SOFT": "1"}, None, False
 # Filters of rays look up rows; any other filter has none to look up, nor have they where no rays are asked for.

@@ -1,6 +1,8 @@
 /*
  * filters.c: what each filter makes of a map, against the same sums taken on the CPU from the map and the camera's
- * depth that csm_read gives; and that no filter shadows a plane by itself.
+ * depth that csm_read gives; and that no filter shadows a plane by itself. CSM_LONG=1 in the environment has each filter
+ * draw with every shape of a map; else it draws with two that are opposites, so that all pairs of a filter and one thing
+ * about a map are met.
  */
 #include "support.h"
 
@@ -261,6 +263,10 @@ static csm_config variant(uint32_t filter, uint32_t shape) {
   return config;
 }
 
+static bool draws_shape(uint32_t filter, uint32_t shape) {
+  return getenv("CSM_LONG") || shape % 4 == (shape & 4 ? 3 - filter % 4 : filter % 4);
+}
+
 /* No filter, format, layout, size or light makes a plane shadow itself; what covers it all leaves no light. */
 static void a_plane_is_lit_and_a_covered_one_is_not(void **state) {
   (void)state;
@@ -270,6 +276,8 @@ static void a_plane_is_lit_and_a_covered_one_is_not(void **state) {
   f.instances[1] = support_instance(f.box, 0, 30, 0, 400, 1, 400);
   for (uint32_t filter = 0; filter <= CSM_FILTER_GRID_17; ++filter)
     for (uint32_t shape = 0; shape < 8; ++shape) {
+      if (!draws_shape(filter, shape))
+        continue;
       const csm_config config = variant(filter, shape);
       memcpy(f.shot.light.direction, suns[(shape + filter) % 5], sizeof suns[0]);
       f.shot.frame.instance_count = 1;
@@ -289,6 +297,8 @@ static void formats_tell_the_same(void **state) {
     csm_config config = one_map(filter);
     float *first = mask_of(&f, &config);
     for (uint32_t shape = 1; shape < 4; ++shape) {
+      if (!getenv("CSM_LONG") && shape == 1 + filter % 3)
+        continue;
       config.map_format = shape & 1;
       config.map_reversed = shape >> 1;
       float *other = mask_of(&f, &config);

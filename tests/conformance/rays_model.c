@@ -201,6 +201,7 @@ csm_cascades *rays_cascades(rays_model *m, const csm_config *config) {
 
 typedef struct triangle {
   double corners[3][3], uvs[3][2], normal[3];
+  double low[2], high[2]; /* of its corners, as the light sees them */
   const rays_shape *shape;
 } triangle;
 
@@ -298,6 +299,19 @@ static void turn_to(world *w, const double to_light[3]) {
   cross(w->up, w->to_light, w->right);
 }
 
+/* Where triangles lie in the light's eyes. */
+static void flatten(world *w) {
+  for (uint32_t i = 0; i < w->count; ++i) {
+    triangle *t = &w->triangles[i];
+    for (int axis = 0; axis < 2; ++axis) {
+      const double *along = axis ? w->up : w->right;
+      const double a = dot(t->corners[0], along), b = dot(t->corners[1], along), c = dot(t->corners[2], along);
+      t->low[axis] = fmin(fmin(a, b), c);
+      t->high[axis] = fmax(fmax(a, b), c);
+    }
+  }
+}
+
 static world *make_world(const rays_model *m) {
   world *w = calloc(1, sizeof *w);
   const csm_light *light = &m->shot.light;
@@ -312,6 +326,7 @@ static world *make_world(const rays_model *m) {
       continue;
     (is_flat(instance->transform) ? add_fog : add_triangles)(w, instance, shape);
   }
+  flatten(w);
   return w;
 }
 
@@ -377,10 +392,14 @@ static bool passes(const world *w, const fog *fog, const double at[3]) {
 
 static answer trace(const world *w, const double at[3], double view_depth) {
   answer all = LIT;
+  const double x = dot(at, w->right), y = dot(at, w->up), near = 1e-3 * view_depth + 1e-3; /* many a hair's breadth */
   for (uint32_t i = 0; i < w->fogs; ++i)
     if (passes(w, &w->fog[i], at))
       return UNSURE;
   for (uint32_t i = 0; i < w->count && all != DARK; ++i) {
+    const triangle *t = &w->triangles[i];
+    if (x < t->low[0] - near || x > t->high[0] + near || y < t->low[1] - near || y > t->high[1] + near)
+      continue;
     const answer one = meet(w, &w->triangles[i], at, view_depth);
     all = one == LIT ? all : one;
   }
@@ -476,6 +495,7 @@ void rays_seen(const rays_model *m, const float *depth, uint32_t rays, float *ou
     for (int axis = 0; axis < 3; ++axis)
       way[axis] = to_light[axis] + radius * (cos(angle) * right[axis] + sin(angle) * up[axis]);
     turn_to(w, way);
+    flatten(w);
     for (uint32_t pixel = 0; pixel < RAYS_WIDTH * RAYS_HEIGHT; ++pixel) {
       const double view_depth = depth_of(m, depth[pixel]);
       double at[3];

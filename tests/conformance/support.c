@@ -1,4 +1,5 @@
 #include "support.h"
+#include "../tools/gpu_host.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -15,13 +16,13 @@ static void *CSM_CALL count_allocate(void *user, size_t size, size_t alignment) 
     --record->allocations_left;
   ++record->blocks;
   ++record->allocations;
-  return aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+  return test_allocate(NULL, size, alignment);
 }
 
 static void CSM_CALL count_release(void *user, void *memory) {
   record *record = user;
   --record->blocks;
-  free(memory);
+  test_release(NULL, memory);
 }
 
 static void CSM_CALL count_log(void *user, int32_t level, const char *message) {

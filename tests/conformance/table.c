@@ -83,7 +83,7 @@ typedef struct worst {
 } worst;
 
 static void draw_case(drawer drawers[2], const csm_config *config, uint32_t index, worst *worst) {
-  const uint32_t width = random_cases ? 640 : 192, height = random_cases ? 360 : 108;
+  const uint32_t width = random_cases ? 640 : 128, height = random_cases ? 360 : 72;
   for (int i = 0; i < 2; ++i)
     draw(&drawers[i], config, index, width, height);
   sides_same_plan(&drawers[0].side, &drawers[1].side);

@@ -17,7 +17,7 @@ import tempfile
 from tiny_gltf import box, quad, write_gltf
 
 host, library, backend, every = *sys.argv[1:4], "--all" in sys.argv
-MOMENTS = 9  # of each command and beginning, unless all are tried
+MOMENTS = 5  # of each command and beginning, unless all are tried
 top = pathlib.Path(tempfile.mkdtemp())
 place, stand = top / "place", {}
 tried = 0

@@ -51,6 +51,7 @@ static void options_are_understood(void **state) {
   assert_int_equal(o.width, 64);
   assert_false(o.backends[0]);
   assert_true(o.backends[1]);
+  assert_string_equal(options_base_name(&o), "default");
 }
 
 static void suns_are_understood(void **state) {

@@ -22,21 +22,29 @@ def run(*arguments):
     return done
 
 
+def look(folder):
+    """At a post and a beam on a ground: a CPU draws them."""
+    scene = write_gltf(str(pathlib.Path(folder, "scene.gltf")),
+                       quad((-20, 0, -20), (-20, 0, 20), (20, 0, 20), (20, 0, -20)) + box((-1, 0, -1), (1, 3, 1)) +
+                       box((-4, 2, -9), (-3.9, 2.1, 9)))
+    return ("--scene", scene, "--camera", "6,5,9:0,1,0:50:0.1:100", "--shadow-distance", 40, "--light", "0.5,-0.8,0.3",
+            "--size", "160x90")
+
+
 def check_drawing(name, folder):
-    """With small maps: a CPU draws them, and their pictures are written."""
+    """With small maps; and their pictures are written."""
     told = json.loads(run("config", "--preset", name).stdout)
     told["resolution"] = min(told["resolution"], 256)
     smaller = pathlib.Path(folder, "smaller.json")
     smaller.write_text(json.dumps({"resolution": told["resolution"]}))
-    drawn = json.loads(run("run", "--preset", name, "--config", smaller, "--scene", "town", "--size", "160x90", "--out",
-                           folder, "--json", "-").stdout)
+    drawn = json.loads(run("run", "--preset", name, "--config", smaller, *look(folder), "--out", folder, "--json", "-").stdout)
     assert dict(told, shadow_distance=drawn["config"]["shadow_distance"]) == drawn["config"], name
     assert len(backends) < 2 or drawn["agreement"]["agrees"] and drawn["agreement"]["plans_equal"], name
 
 
 def check_measuring(folder):
     done = run("measure", "--presets", "low,default", "--scene", "town", "--size", "160x90", "--sun-samples", "4", "--quick",
-               "--minutes", "0.01", "--cache", folder, "--json", "-")
+               "--minutes", "0.001", "--cache", folder, "--json", "-")
     scene, = json.loads(done.stdout)
     assert scene["scene"] == "town" and [p["preset"] for p in scene["presets"]] == ["default", "low"]
     for preset in scene["presets"]:
@@ -55,13 +63,9 @@ def expect_refusal(word, *arguments):
 
 def check_soft_suns(folder):
     """A table for each sun; against others, their best is found, and shares of it are those of the figures."""
-    scene = write_gltf(str(pathlib.Path(folder, "scene.gltf")),
-                       quad((-20, 0, -20), (-20, 0, 20), (20, 0, 20), (20, 0, -20)) + box((-1, 0, -1), (1, 3, 1)) +
-                       box((-4, 2, -9), (-3.9, 2.1, 9)))
     small = pathlib.Path(folder, "base.json")
     small.write_text('{"resolution": 256, "cascade_count": 1}')
-    done = run("measure", "--scene", scene, "--camera", "6,5,9:0,1,0:50:0.1:100", "--shadow-distance", 40, "--light",
-               "0.5,-0.8,0.3", "--size", "160x90", "--config", small, "--presets", "filament_pcss", "--against",
+    done = run("measure", *look(folder), "--config", small, "--presets", "filament_pcss", "--against",
                "filament,filament_vsm", "--suns", "0,5", "--sun-samples", 16, "--quick", "--minutes", 1e-9, "--cache", folder,
                "--json", "-")
     suns, names = json.loads(done.stdout), ["--config", "filament", "filament_vsm", "filament_pcss"]

@@ -175,15 +175,17 @@ camera = ['--camera', '6,5,9:0,1,0:50:0.1:100']
 few = ['--cascades', '3,1', '--resolutions', '128,64']
 
 # A configuration that is not in the sweep is added; it is what the rest is compared with. No time left: one round all the same.
-text = run('--quick', '--minutes', '1e-9', *small, *camera, *few, '--case', 'bare_plane', '--out', at('first'), '--json', at('first.json'))
-assert 'default' in text and 'report.html' in text, text
+json.dump({'resolution': 256}, open(at('base.json'), 'w'))
+text = run('--quick', '--minutes', '1e-9', *small, *camera, *few, '--case', 'bare_plane', '--config', at('base.json'), '--out', at('first'),
+           '--json', at('first.json'))
+assert '--config' in text and 'report.html' in text, text
 first = load('first')
 assert json.load(open(at('first.json')))['scenes'] == first['scenes']
 shapes = [(c, r) for c in (1, 3) for r in (64, 128)]
-check_scene(first['scenes'][0], shapes + [(4, 2048)], 1)
-assert shape(first['scenes'][0]['configurations'][first['scenes'][0]['base']]) == (4, 2048, 'pcf_3x3', 'receiver_plane')
+check_scene(first['scenes'][0], shapes + [(4, 256)], 1)
+assert shape(first['scenes'][0]['configurations'][first['scenes'][0]['base']]) == (4, 256, 'pcf_3x3', 'receiver_plane')
 assert [b['name'] for b in first['backends']] == backends and all(b['driver'] for b in first['backends'])
-assert first['machine']['cores'] >= 1 and first['quick'] and '--quick' in first['command'] and first['base_name'] == 'default'
+assert first['machine']['cores'] >= 1 and first['quick'] and '--quick' in first['command'] and first['base_name'] == '--config'
 assert not first['scenes'][0]['truth']['cached'] and first['left_out'] == []
 (plane,) = first['hard']
 assert plane['case'] == 'bare_plane' and plane['about'] and plane['seconds'] > 0 and len(plane['figures']) >= 3, plane
@@ -192,7 +194,7 @@ best = first['scenes'][0]['verdicts'][backends[0]]['least_error']
 assert first['scenes'][0]['configurations'][best]['filter'] == 'exact', 'rays are nearer the truth than any map'
 by_maps = [p for p in first['scenes'][0]['configurations'] if not p['filter'].startswith('exact')]
 best = min(by_maps, key=lambda p: p['backends'][backends[0]]['error'])
-assert best['resolution'] == 2048, 'sixteen times the texels are nearer the truth'
+assert best['resolution'] == 256, 'four times the texels are nearer the truth'
 
 # The same truth again, for another base; one in the sweep.
 json.dump({'cascade_count': 3, 'resolution': 64, 'filter': 'pcf_2x2', 'split_lambda': 0.5}, open(at('own.json'), 'w'))
