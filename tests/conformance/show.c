@@ -15,10 +15,14 @@ typedef struct shown {
   csm_binding binding;
 } shown;
 
-static void open_view(shown *v) {
+static void open_view_with(shown *v, uint32_t flags) {
   memset(v, 0, sizeof *v);
-  v->context = support_open(&v->record);
+  v->context = support_open_with(&v->record, flags);
   v->view = support_view(v->context);
+}
+
+static void open_view(shown *v) {
+  open_view_with(v, 0);
 }
 
 static void draw(shown *v, const csm_config *config, shot *shot) {
@@ -291,6 +295,40 @@ static void a_penumbra_is_as_wide_as_its_caster_is_high(void **state) {
   finish(&v);
 }
 
+/* ---- rays ---- */
+
+/*
+ * A level is 1 more than 16 times the binary logarithm of the nodes, so what it stands for is off by up to 2.2 %; the sum of
+ * nodes is off by what each pixel's rounding to 16 leaves.
+ */
+static void nodes_of_rays_are_counted(void **state) {
+  (void)state;
+  shown v;
+  support_scene scene;
+  csm_config config = support_config();
+  config.filter = CSM_FILTER_EXACT;
+  open_view_with(&v, CSM_CREATE_RAYS);
+  support_scene_make(&scene, v.context);
+  draw(&v, &config, &scene.shot);
+  int *values = resolve(&v, &scene.shot, CSM_SHOW_RAYS);
+  csm_view_stats stats = {.struct_size = sizeof stats};
+  assert_int_equal(csm_get_view_stats(v.view, &stats), CSM_SUCCESS);
+  uint32_t asked = 0;
+  double nodes = 0;
+  for (int at = 0; at < pixels; ++at)
+    if (values[at]) {
+      ++asked;
+      nodes += exp2((values[at] - 1) / 16.0);
+    }
+  assert_in_range(asked, pixels / 100, pixels);
+  assert_int_equal(stats.ray_pixels, asked);
+  assert_float_equal((double)stats.ray_nodes / nodes, 1.0, 0.03);
+  /* Most rays are of pixels at a shadow's edge: they meet the box of a caster at least. */
+  assert_in_range(stats.ray_triangles, asked / 2, stats.ray_nodes);
+  free(values);
+  finish(&v);
+}
+
 /* ---- casters ---- */
 
 static void casters_are_told(void **state) {
@@ -336,6 +374,7 @@ static void casters_are_told(void **state) {
 
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(nodes_of_rays_are_counted),
       cmocka_unit_test(a_point_has_the_cascade_of_its_interval),
       cmocka_unit_test(dithered_points_have_the_cascade_they_got),
       cmocka_unit_test(a_wall_has_the_density_of_its_texels),
