@@ -166,12 +166,9 @@ static int walk(hard_run *run, const motion *how, const char *fit_name, bool alo
   for (uint32_t i = 0; i < count; i++)
     lights[i] = run->setup->light;
   if (code == 0)
-    code = hard_walk(run, &(hard_path){.count = count,
-                                       .alone = alone,
-                                       .cameras = cameras,
-                                       .lights = lights,
-                                       .each = add_pair,
-                                       .user = &t});
+    code = hard_walk(
+        run, &(hard_path){
+                 .count = count, .alone = alone, .cameras = cameras, .lights = lights, .each = add_pair, .user = &t});
   if (code == 0) {
     /* The grid stays, so that only what floats round differently may change. */
     hard_figure_add(run, t.points ? 100.0 * (double)t.changed / (double)t.points : INFINITY, 0.005, "%",

@@ -167,10 +167,13 @@ int stage_configure(stage *s, const csm_config *config) {
   return exit_code(csm_cascades_configure(s->cascades, config));
 }
 
+/* The old ones go after the new ones are there, so that programs which both draw with are not made anew. */
 int stage_restart(stage *s, const csm_config *config) {
-  csm_cascades_destroy(s->cascades);
+  csm_cascades *old = s->cascades;
   s->cascades = NULL;
-  return exit_code(csm_cascades_create(s->context, config, &s->cascades));
+  const csm_result result = csm_cascades_create(s->context, config, &s->cascades);
+  csm_cascades_destroy(old);
+  return exit_code(result);
 }
 
 int stage_switch(stage *s, const char *backend, const char *device, double *ms) {

@@ -39,6 +39,7 @@ static void open_fixture(fixture *f) {
   to[3] = support_instance(f->box, 5, 6, 2, 1, 1, 1);
   to[4] = support_instance(f->box, 5, 8, -6, 4, 0.1, 0.15);
   f->view = support_view(f->context);
+  support_keep_programs(f->context);
   f->shot = shot_make(f->instances, 5);
   memcpy(f->shot.light.direction, (const double[]){0.3, -1, 0.2}, sizeof f->shot.light.direction);
   /* Looks down from below the boxes, and so sees the ground alone. */

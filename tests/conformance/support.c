@@ -294,6 +294,14 @@ csm_config support_config(void) {
   return config;
 }
 
+void support_keep_programs(csm_context *context) {
+  csm_config config = support_config();
+  csm_cascades *kept;
+  config.cascade_count = 1;
+  config.resolution = 16;
+  assert_int_equal(csm_cascades_create(context, &config, &kept), CSM_SUCCESS);
+}
+
 csm_view *support_view(csm_context *context) {
   csm_view *view = NULL;
   assert_int_equal(csm_view_create(context, &view), CSM_SUCCESS);

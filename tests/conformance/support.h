@@ -83,6 +83,8 @@ double support_alpha(const support_texture *texture, double u, double v);
 /* The default configuration with fewer and smaller maps, for speed. */
 csm_config support_config(void);
 
+/* Keeps the programs that draw the meshes there are, which cascades share and which go with the last of them. */
+void support_keep_programs(csm_context *context);
 csm_view *support_view(csm_context *context);
 
 /* Read a map, or a view's mask or camera depth (CSM_READ_*); the caller frees them. */

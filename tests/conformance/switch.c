@@ -96,7 +96,7 @@ static long resident_kib(void) {
 static void there_and_back(void **state) {
   (void)state;
   const char *asked = getenv("CSM_SWITCHES");
-  const int switches = asked ? atoi(asked) : 8;
+  const int switches = asked ? atoi(asked) : 6;
   fixture f;
   open_fixture(&f, CSM_CREATE_KEEP_GEOMETRY, NULL);
   static float before[2 * pixels], after[2 * pixels];

@@ -45,6 +45,7 @@ typedef struct drawer {
 static void open_drawer(drawer *d, const char *backend) {
   side_open(&d->side, backend);
   telling_make(&d->scene, d->side.context);
+  support_keep_programs(d->side.context);
 }
 
 static bool is_soft(const csm_config *config) {
