@@ -66,14 +66,19 @@ typedef struct fixture {
   csm_mesh mesh;
 } fixture;
 
+static csm_config config_of_all(void) {
+  csm_config config = support_config();
+  config.resolution = 128;
+  config.filter = CSM_FILTER_EXACT; /* trees are updated, too */
+  return config;
+}
+
 static void setup(fixture *f, uint32_t flags) {
   memset(f, 0, sizeof *f);
   csm_create_info info = support_create_info(&f->record);
   info.flags |= flags | CSM_CREATE_RAYS;
   assert_int_equal(csm_create(&info, &f->context), CSM_SUCCESS);
-  csm_config config = support_config();
-  config.resolution = 128;
-  config.filter = CSM_FILTER_EXACT; /* trees are updated, too */
+  const csm_config config = config_of_all();
   f->view = support_view(f->context);
   support_scene_make(&f->scene, f->context);
   cloth_at(&f->cloth, 0, 0);
@@ -143,8 +148,7 @@ static void frames_in_flight_keep_what_they_had(void **state) {
   fixture f;
   csm_cascades *each[FRAMES];
   setup(&f, 0);
-  csm_config config = support_config();
-  config.resolution = 128;
+  const csm_config config = config_of_all();
   for (int i = 0; i < FRAMES; ++i)
     assert_int_equal(csm_cascades_create(f.context, &config, &each[i]), CSM_SUCCESS);
   for (int i = 0; i < FRAMES; ++i) {
