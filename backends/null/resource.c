@@ -52,8 +52,9 @@ static void check_buffer(gpu_device *device, const gpu_buffer_info *info) {
                "buffer_create: shaders write to device buffers alone");
   null_require(device, !info->usage || info->kind != GPU_BUFFER_READBACK,
                "buffer_create: a readback buffer is for nothing else");
-  null_require(device, !(info->usage & GPU_BUFFER_TEXELS) || (info->usage & GPU_BUFFER_READ && info->size % 16 == 0),
-               "buffer_create: a texel buffer that is not read, or whose size is not a multiple of 16");
+  null_require(
+      device, !(info->usage & GPU_BUFFER_TEXELS) || (info->usage & GPU_BUFFER_READ && info->size % GPU_TEXEL_SIZE == 0),
+      "buffer_create: a texel buffer that is not read, or whose size is not a multiple of 16");
 }
 
 csm_result null_buffer_create(gpu_device *device, const gpu_buffer_info *info, gpu_buffer **out) {

@@ -102,21 +102,17 @@ int bench_drawn_run(bench_drawn *out, stage *s, floor_moments moments, const cha
   return code;
 }
 
-static void print_line(FILE *to, const char *name, const estimate *value) {
-  fprintf(to, "  %-32s %9.3f   %8.3f .. %-8.3f\n", name, value->median, value->low, value->high);
-}
-
 void bench_drawn_print(FILE *to, const bench_drawn *drawn) {
   fprintf(to,
           "\n%s written while 4 maps of 1024 x 1024 are drawn, to making it of their depths; bare Vulkan, %u rounds in "
           "turn\n\n",
           drawn->name, drawn->pairs);
-  print_line(to, "depth alone, GPU ms", &drawn->depth);
-  print_line(to, "with moments, GPU ms", &drawn->drawn);
-  print_line(to, "csm's conversion, GPU ms", &drawn->made);
-  print_line(to, "with moments / depth", &drawn->more_drawn);
-  print_line(to, "(depth + conversion) / depth", &drawn->more_made);
-  print_line(to, "with moments / (depth + conversion)", &drawn->to_made);
+  bench_print_line(to, "depth alone, GPU ms", &drawn->depth);
+  bench_print_line(to, "with moments, GPU ms", &drawn->drawn);
+  bench_print_line(to, "csm's conversion, GPU ms", &drawn->made);
+  bench_print_line(to, "with moments / depth", &drawn->more_drawn);
+  bench_print_line(to, "(depth + conversion) / depth", &drawn->more_made);
+  bench_print_line(to, "with moments / (depth + conversion)", &drawn->to_made);
 }
 
 json_t *bench_drawn_to_json(const bench_drawn *drawn) {

@@ -1,6 +1,7 @@
 #include "bench/moved.h"
 #include "base/host.h"
 #include "bench/moving.h"
+#include "bench/rows.h"
 #include <stdlib.h>
 
 enum { warm_up = 2 }; /* in the first frame all of them are new */
@@ -98,21 +99,17 @@ int bench_moved_run(bench_moved *out, const stage *s, const bench_plan *many, co
   return code;
 }
 
-static void print_line(FILE *to, const char *name, const estimate *value) {
-  fprintf(to, "  %-32s %9.3f   %8.3f .. %-8.3f\n", name, value->median, value->low, value->high);
-}
-
 void bench_moved_print(FILE *to, const bench_moved *moved) {
   fprintf(to,
           "  frames of maps in which %u of %u instances moved, exact to pcf_3x3 without CSM_CREATE_RAYS, %u rounds in "
           "turn:\n",
           moved->moved, moved->instances, moved->rounds);
-  print_line(to, "frame without, ms", &moved->frame_ms[MOVED_PLAIN]);
-  print_line(to, "frame with, ms", &moved->frame_ms[MOVED_RAYS]);
-  print_line(to, "frame with / without", &moved->frame_ratio);
-  print_line(to, "csm_render_cascades, CPU ms", &moved->call_ms[MOVED_RAYS]);
-  print_line(to, "csm_render_cascades / without", &moved->call_ratio);
-  print_line(to, "instances' tree refitted, ms", &moved->tree_ms);
+  bench_print_line(to, "frame without, ms", &moved->frame_ms[MOVED_PLAIN]);
+  bench_print_line(to, "frame with, ms", &moved->frame_ms[MOVED_RAYS]);
+  bench_print_line(to, "frame with / without", &moved->frame_ratio);
+  bench_print_line(to, "csm_render_cascades, CPU ms", &moved->call_ms[MOVED_RAYS]);
+  bench_print_line(to, "csm_render_cascades / without", &moved->call_ratio);
+  bench_print_line(to, "instances' tree refitted, ms", &moved->tree_ms);
   fprintf(to, "  %-32s %9.3f\n", "instances' tree made, ms", moved->first_tree_ms);
 }
 

@@ -159,6 +159,10 @@ int bench_rows_run(bench_rows *out, const bench_table *table, stage *stages, uin
   return code;
 }
 
+void bench_print_line(FILE *to, const char *name, const estimate *value) {
+  fprintf(to, "  %-32s %9.3f   %8.3f .. %-8.3f\n", name, value->median, value->low, value->high);
+}
+
 void bench_rows_print(FILE *to, const bench_rows *rows) {
   char base[64];
   snprintf(base, sizeof base, "/ %s", rows->table.base.name);

@@ -75,6 +75,8 @@ typedef struct bench_rows {
  */
 int bench_rows_run(bench_rows *out, const bench_table *table, stage *stages, uint32_t stage_count, bench_floor floor,
                    uint32_t pairs);
+/* One figure with the interval that it lies in. */
+void bench_print_line(FILE *to, const char *name, const estimate *value);
 void bench_rows_print(FILE *to, const bench_rows *rows);
 json_t *bench_rows_to_json(const bench_rows *rows);
 

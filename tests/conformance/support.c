@@ -285,6 +285,21 @@ double support_alpha(const support_texture *t, double u, double v) {
   return sum / 255;
 }
 
+static double between(uint32_t *random, double low, double high) {
+  *random = *random * 1664525u + 1013904223u;
+  return low + (high - low) * (double)(*random >> 8) / 16777216.0;
+}
+
+void support_boxes_above(csm_context *context, csm_instance *out, uint32_t count) {
+  const csm_mesh ground = support_square(context), box = support_box(context, 2);
+  uint32_t random = 1;
+  out[0] = support_instance(ground, 0, 0, 0, 200, 1, 200);
+  for (uint32_t i = 1; i <= count; ++i) {
+    const double x = between(&random, -18, 10), y = between(&random, 9, 20), z = between(&random, -30, 0);
+    out[i] = support_instance(box, x, y, z, between(&random, 0.2, 3), 0.3, between(&random, 0.2, 3));
+  }
+}
+
 csm_config support_config(void) {
   csm_config config = {.struct_size = sizeof config};
   assert_int_equal(csm_config_default(&config), CSM_SUCCESS);

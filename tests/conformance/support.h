@@ -80,6 +80,9 @@ typedef struct support_texture {
 } support_texture;
 double support_alpha(const support_texture *texture, double u, double v);
 
+/* A ground, and after it so many flat boxes, 9 to 20 m over it: the same each time. */
+void support_boxes_above(csm_context *context, csm_instance *out, uint32_t count);
+
 /* The default configuration with fewer and smaller maps, for speed. */
 csm_config support_config(void);
 

@@ -23,20 +23,9 @@ typedef struct fixture {
   csm_binding binding;
 } fixture;
 
-static double between(uint32_t *random, double low, double high) {
-  *random = *random * 1664525u + 1013904223u;
-  return low + (high - low) * (double)(*random >> 8) / 16777216.0;
-}
-
 /* A camera sees nothing but a ground; boxes above the view cast on it. */
 static void place_things(fixture *f) {
-  const csm_mesh ground = support_square(f->stage.context), box = support_box(f->stage.context, 2);
-  uint32_t random = 1;
-  f->instances[0] = support_instance(ground, 0, 0, 0, 200, 1, 200);
-  for (uint32_t i = 1; i <= BOXES; ++i) {
-    const double x = between(&random, -18, 10), y = between(&random, 9, 20), z = between(&random, -30, 0);
-    f->instances[i] = support_instance(box, x, y, z, between(&random, 0.2, 3), 0.3, between(&random, 0.2, 3));
-  }
+  support_boxes_above(f->stage.context, f->instances, BOXES);
   f->shot = shot_make(f->instances, BOXES + 1);
   memcpy(f->shot.light.direction, (const double[]){0.4, -1, 0.25}, sizeof f->shot.light.direction);
   support_look_at(f->shot.camera.view, (const double[]){2, 8, 4}, (const double[]){2, 1, -6});
