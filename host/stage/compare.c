@@ -7,6 +7,11 @@
 const float compare_mask_tolerance = 1.0f / 255.0f + 1e-6f;
 const double compare_mask_share = 1e-4;
 
+static const char *const view_names[STAGE_VIEWS] = {
+    [CSM_SHOW_CASCADE - 1] = "cascade", [CSM_SHOW_DENSITY - 1] = "density", [CSM_SHOW_PENUMBRA - 1] = "penumbra",
+    [CSM_SHOW_HISTORY - 1] = "history", [CSM_SHOW_RAYS - 1] = "rays",
+};
+
 /* Floats in the order of their values as integers, so that neighbours are 1 apart. */
 static int64_t float_order(float value) {
   int32_t bits;
@@ -60,9 +65,9 @@ static void compare_views(agreement *out, const stage_frame *a, const stage_fram
   out->views_agree = out->casters_equal = true;
   if (!out->has_views)
     return;
-  out->has_penumbra = a->views[CSM_SHOW_PENUMBRA - 1] && b->views[CSM_SHOW_PENUMBRA - 1];
   for (uint32_t i = 0; i < STAGE_VIEWS; i++) {
-    for (size_t at = 0; at < pixels && a->views[i] && b->views[i]; at++)
+    out->has_view[i] = a->views[i] && b->views[i];
+    for (size_t at = 0; at < pixels && out->has_view[i]; at++)
       out->views[i] += a->views[i][at] != b->views[i][at];
     const double allowed = out->allowed_ulp == 0 ? 0.0 : compare_mask_share * (double)pixels;
     out->views_agree = out->views_agree && (double)out->views[i] <= allowed;
@@ -95,6 +100,18 @@ static void print_depth(FILE *to, const char *name, const depth_difference *diff
     fprintf(to, " %s %" PRIu64 " texels, up to %" PRIu32 " ulp;", name, difference->differing, difference->max_ulp);
 }
 
+static void print_views(FILE *to, const agreement *result) {
+  const char *separator = "", *unit = " pixels";
+  fprintf(to, "  views        %s:", result->views_agree ? "agree" : "DIFFER");
+  for (uint32_t i = 0; i < STAGE_VIEWS; i++) {
+    if (!result->has_view[i])
+      continue;
+    fprintf(to, "%s %" PRIu64 "%s of %s", separator, result->views[i], unit, view_names[i]);
+    separator = ",", unit = "";
+  }
+  fprintf(to, " differ; casters %s\n", result->casters_equal ? "are the same" : "DIFFER");
+}
+
 void agreement_print(FILE *to, const agreement *result, const char *name_a, const char *name_b) {
   bool differs = result->camera_depth.differing != 0;
   for (uint32_t k = 0; k < result->cascade_count; k++)
@@ -111,11 +128,7 @@ void agreement_print(FILE *to, const agreement *result, const char *name_a, cons
       to, "\n  masks        %s: %" PRIu64 " of %" PRIu64 " pixels differ by more than 1/255, largest difference %.6g\n",
       result->mask_agrees ? "agree" : "DIFFER", result->mask_beyond, result->mask_pixels, (double)result->mask_largest);
   if (result->has_views)
-    fprintf(to,
-            "  views        %s: %" PRIu64 " pixels of cascades, %" PRIu64 " of density and %" PRIu64
-            " of penumbrae differ; casters %s\n",
-            result->views_agree ? "agree" : "DIFFER", result->views[0], result->views[1], result->views[2],
-            result->casters_equal ? "are the same" : "DIFFER");
+    print_views(to, result);
   fprintf(to, "  verdict      %s and %s %s\n", name_a, name_b, result->agrees ? "AGREE" : "DIFFER");
 }
 
@@ -129,10 +142,12 @@ static json_t *depth_to_json(const depth_difference *difference) {
 static json_t *views_to_json(const agreement *result) {
   json_t *object = json_object();
   json_object_set_new(object, "agree", json_boolean(result->views_agree));
-  json_object_set_new(object, "cascade_differing", json_integer((json_int_t)result->views[CSM_SHOW_CASCADE - 1]));
-  json_object_set_new(object, "density_differing", json_integer((json_int_t)result->views[CSM_SHOW_DENSITY - 1]));
-  if (result->has_penumbra)
-    json_object_set_new(object, "penumbra_differing", json_integer((json_int_t)result->views[CSM_SHOW_PENUMBRA - 1]));
+  for (uint32_t i = 0; i < STAGE_VIEWS; i++) {
+    char key[32];
+    snprintf(key, sizeof key, "%s_differing", view_names[i]);
+    if (result->has_view[i])
+      json_object_set_new(object, key, json_integer((json_int_t)result->views[i]));
+  }
   json_object_set_new(object, "casters_equal", json_boolean(result->casters_equal));
   return object;
 }

@@ -16,11 +16,11 @@ typedef struct agreement {
   uint32_t cascade_count;
   depth_difference maps[CSM_MAX_CASCADES];
   depth_difference camera_depth;
-  uint64_t mask_pixels;        /* of the mask */
-  uint64_t mask_beyond;        /* that differ by more than 1/255 */
-  float mask_largest;          /* the largest difference */
-  bool has_views;              /* both frames have them */
-  bool has_penumbra;           /* and one of the penumbra */
+  uint64_t mask_pixels; /* of the mask */
+  uint64_t mask_beyond; /* that differ by more than 1/255 */
+  float mask_largest;   /* the largest difference */
+  bool has_views;       /* both frames have some */
+  bool has_view[STAGE_VIEWS];
   uint64_t views[STAGE_VIEWS]; /* pixels that differ at all */
   bool casters_equal;
   bool depth_agrees, mask_agrees, views_agree;

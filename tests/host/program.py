@@ -372,6 +372,10 @@ def check_written(folder, scene):
     expect((folder / "soft/penumbra.png").is_file() and not (folder / "out/penumbra.png").exists(), "penumbra.png")
     if len(backends) == 2:
         expect(json.loads(soft.stdout)["agreement"]["views"]["penumbra_differing"] == 0, soft.stdout)
+        exact = expect_exit(0, "", "run", "--scene", scene, "--preset", "exact", "--size", "96x54", "--out",
+                            folder / "exact", "--json", "-")
+        expect(json.loads(exact.stdout)["agreement"]["views"]["rays_differing"] == 0, exact.stdout)
+        expect("0 of rays differ" in exact.stderr, exact.stderr)
     frame = dump.Dump(folder / "dump" / backends[0])
     check_frame(frame.frame)
     check_maps(frame)
