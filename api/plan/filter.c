@@ -6,9 +6,9 @@
 uint32_t plan_filter_taps(const csm_config *config) {
   switch (config->filter) {
   case CSM_FILTER_PCF_3X3:
+  case CSM_FILTER_EXACT: /* the same texels */
     return 3;
   case CSM_FILTER_PCF_5X5:
-  case CSM_FILTER_EXACT: /* the same texels */
     return 5;
   case CSM_FILTER_PCF_7X7:
     return 7;

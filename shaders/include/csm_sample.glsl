@@ -23,7 +23,7 @@
 //   CSM_SOFT         1: filters pcss, vssm and backprojection are there too where no define fixes the filter; they make such
 //                    a shader large, and are pcf_3x3 there without this
 //   CSM_RAYS         1: filters exact and exact_soft send rays where the maps do not decide, from the position itself. Without
-//                    this they are pcf_5x5 and pcss. exact_soft takes CSM_SOFT, too, where no define fixes the filter, and
+//                    this they are pcf_3x3 and pcss. exact_soft takes CSM_SOFT, too, where no define fixes the filter, and
 //                    CSM_DEPTHS: through comparisons alone no map tells where penumbras are, and all is for rays
 //   CSM_MESHES(row)  for CSM_RAYS: a row, a uvec4, of csm_binding.native_ray_meshes (csm_meshes.rows[row], by default:
 //                    layout(std430, binding = 2) readonly buffer meshes { uvec4 rows[]; } csm_meshes;)
@@ -119,6 +119,7 @@
 #define CSM_INSTANCES(row) csm_instances.rows[row]
 #endif
 #define CSM_ROW_FLOATS(row) uintBitsToFloat(row)
+#define CSM_BITS(value) floatBitsToInt(value)
 #define csm_float2 vec2
 #define csm_float3 vec3
 #define csm_float4 vec4

@@ -20,7 +20,7 @@
 //   CSM_SOFT         1: filters pcss, vssm and backprojection are there too where no define fixes the filter; they make such
 //                    a shader large, and are pcf_3x3 there without this
 //   CSM_RAYS         1: filters exact and exact_soft send rays where the maps do not decide, from the position itself. Without
-//                    this they are pcf_5x5 and pcss. exact_soft takes CSM_SOFT, too, where no define fixes the filter
+//                    this they are pcf_3x3 and pcss. exact_soft takes CSM_SOFT, too, where no define fixes the filter
 //   CSM_MESHES(row)  for CSM_RAYS: a row, a uint4, of csm_binding.native_ray_meshes (csm_meshes[row], by default, of a
 //                    StructuredBuffer<uint4>)
 //   CSM_INSTANCES(row)   and of native_ray_instances (csm_instances[row])
@@ -101,6 +101,7 @@
 #define CSM_INSTANCES(row) csm_instances[row]
 #endif
 #define CSM_ROW_FLOATS(row) asfloat(row)
+#define CSM_BITS(value) asint(value)
 #define csm_float2 float2
 #define csm_float3 float3
 #define csm_float4 float4
