@@ -64,7 +64,7 @@ static int count_nodes(bench_ray_costs *out, stage *s) {
 
 static int measure_rounds(bench_ray_costs *out, stage *s, const samples *to, uint32_t pairs) {
   csm_config exact = s->setup->config;
-  exact.filter = CSM_FILTER_EXACT;
+  bench_exact(&exact);
   int code = 0;
   for (uint32_t round = 0; round < warm_up + pairs && code == 0; round++) {
     const uint32_t i = round < warm_up ? 0 : round - warm_up;

@@ -40,6 +40,8 @@ void bench_table_modes(bench_table *out, const csm_config *config);
 void bench_table_maps(bench_table *out, const csm_config *config);
 /* Making and blurring moments, against the maps' passes of the configuration. */
 void bench_table_moments(bench_table *out, const csm_config *config);
+/* What preset `exact` says, over a configuration. */
+void bench_exact(csm_config *config);
 /* The mask with rays, and the maps with it, against those of pcf_3x3; what they may take is known for some scenes. */
 void bench_table_ray_masks(bench_table *out, const csm_config *config, const char *scene);
 void bench_table_ray_frames(bench_table *out, const csm_config *config, const char *scene);

@@ -1,5 +1,6 @@
 /* bench_tables.c: which configurations are timed. */
 #include "bench/rows.h"
+#include "setup/presets.h"
 #include <string.h>
 
 static csm_config *add(bench_table *table, const char *name) {
@@ -206,11 +207,18 @@ static ray_limits limits_of(const char *scene) {
   return (ray_limits){0};
 }
 
+void bench_exact(csm_config *config) {
+  csm_config preset;
+  preset_config(&preset, "exact", config->shadow_distance);
+  config->filter = preset.filter;
+  config->bias_constant_texels = preset.bias_constant_texels;
+}
+
 static void add_exact(bench_table *out) {
   out->base.config.filter = CSM_FILTER_PCF_3X3;
-  add_filter(out, "exact", CSM_FILTER_EXACT);
+  bench_exact(add(out, "exact"));
   csm_config *small = add(out, "exact, maps of 1024");
-  small->filter = CSM_FILTER_EXACT;
+  bench_exact(small);
   small->resolution = 1024;
   memset(small->resolutions, 0, sizeof small->resolutions);
 }

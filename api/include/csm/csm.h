@@ -266,8 +266,10 @@ typedef struct csm_mesh_update_info {
 CSM_API csm_result CSM_CALL csm_mesh_update(csm_context *context, csm_mesh mesh, const csm_mesh_update_info *info);
 
 /*
- * Frees a mesh once no frame in flight that csm recorded uses it. Errors: NULL_POINTER, INVALID_HANDLE, INVALID_STATE
- * (an instance of a scene uses it still). [render-thread]
+ * Frees a mesh once no frame in flight that csm recorded uses it. With CSM_CREATE_RAYS: what sends rays by cascades that
+ * drew the mesh, csm_resolve_mask or an engine's shader, is recorded before this, or after csm_render_cascades has
+ * recorded them anew; in between it may miss the mesh's shadow. Errors: NULL_POINTER, INVALID_HANDLE, INVALID_STATE (an
+ * instance of a scene uses it still). [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_mesh_destroy(csm_context *context, csm_mesh mesh);
 
