@@ -12,6 +12,7 @@
  * reduction of bleeding, of which 0.99 is dark and 1 is lit: a step of the mask is then 4e-5 of the light.
  */
 #include "base/host.h"
+#include "csm_constants.h"
 #include "hard/terrace.h"
 #include <math.h>
 
@@ -24,7 +25,8 @@ typedef struct settings {
 
 static csm_config make_config(const host_setup *setup, const settings *s) {
   csm_config config = setup->config;
-  config.resolution = s->blur > 7 ? 2560 : 320; /* a blur lies within a step */
+  /* a blur lies within a step, and what VSSM searches beside it */
+  config.resolution = s->blur > 2 ? 2560 : s->filter == CSM_FILTER_VSSM ? 640 : 320;
   config.filter = s->filter;
   config.moment_layers = s->layers;
   config.moment_format = s->moments;
@@ -83,11 +85,18 @@ static verdict judge(const hard_run *run, const moment_scene *scene, const pictu
   return v;
 }
 
+/* How far a square of the map, which may be turned about the light, reaches along the terrace's sides, of half its own. */
+static double turned_reach(const csm_binding *binding) {
+  const csm_cascades_block *block = binding->cascade_constants;
+  return fabs((double)block->basis[0][0]) + fabs((double)block->basis[0][2]);
+}
+
 static void add_figures(hard_run *run, const moment_scene *scene, const pictures *drawn) {
   const csm_config *config = &scene->config;
   const bool soft = config->filter == CSM_FILTER_VSSM;
   const double texels = config->moment_blur_texels + 2.0 + (soft ? 2.0 * config->soft_radius_max_texels : 0.0);
-  const verdict v = judge(run, scene, drawn, texels * scene->binding.cascades[0].texel_size);
+  const double texel = scene->binding.cascades[0].texel_size;
+  const verdict v = judge(run, scene, drawn, texels * texel * turned_reach(&scene->binding));
   char name[64];
   moment_scene_name(config, name, sizeof name);
   moment_scene_add_numbers(run, scene, name);
