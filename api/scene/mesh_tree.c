@@ -145,7 +145,7 @@ csm_result mesh_tree_make(host *host, const csm_mesh_info *info, const double *o
   if (!block)
     return CSM_ERROR_OUT_OF_MEMORY;
   read_mesh(&room, info, offset);
-  const tree_shape shape = {.most_items = 4, .item_cost = 1.5f};
+  const tree_shape shape = {.most_items = 4, .item_cost = 0.8f};
   const uint32_t nodes = tree_build(room.nodes, room.order, room.boxes, count, shape, room.scratch);
   const csm_result result = assemble(host, &room, nodes, info, offset, out);
   host_release(host, block);
