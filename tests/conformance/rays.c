@@ -401,6 +401,46 @@ static void casters_are_cut_out(void **state) {
   }
 }
 
+/* Layers over each other, each cut out at other places, so that a ray passes many holes before it meets something. */
+static void make_crown(rays_shape *crown) {
+  enum { layers = RAYS_VERTICES / 4 };
+  const rays_shape leaf = *crown;
+  crown->vertex_count = crown->index_count = 0;
+  for (uint16_t layer = 0; layer < layers; ++layer) {
+    for (uint16_t i = 0; i < leaf.index_count; ++i)
+      crown->indices[crown->index_count++] = (uint16_t)(leaf.indices[i] + 4 * layer);
+    for (int i = 0; i < 4; ++i, ++crown->vertex_count) {
+      float *at = crown->positions[crown->vertex_count], *uv = crown->uvs[crown->vertex_count];
+      memcpy(at, leaf.positions[i], sizeof leaf.positions[i]);
+      at[1] += 0.15f * layer;
+      uv[0] = leaf.uvs[i][0] + 0.21f * layer;
+      uv[1] = leaf.uvs[i][1] + 0.13f * layer;
+    }
+  }
+  crown->cutoff = 0.85f;
+}
+
+static void rays_pass_holes(void **state) {
+  (void)state;
+  rays_model m = {.wrap_u = 0};
+  rays_open(&m, 0, NULL);
+  const csm_config config = rays_config();
+  csm_cascades *cascades = rays_cascades(&m, &config);
+  m.shapes[SHAPES] = m.shapes[SHAPE_LEAF];
+  make_crown(&m.shapes[SHAPES]);
+  rays_make_mesh(&m, SHAPES);
+  const csm_instance crowns[] = {support_instance(m.shapes[SHAPES].mesh, -5, 3, 2, 4, 1, 4),
+                                 support_instance(m.shapes[SHAPES].mesh, -3, 7, 1, 3, -1, 4)};
+  for (size_t i = 0; i < sizeof crowns / sizeof *crowns; ++i)
+    rays_add(&m, &crowns[i]);
+  for (uint32_t sun = 0; sun < 3; ++sun) {
+    set_sun(&m, sun);
+    rays_expect(&m, cascades, "a crown");
+    expect_told(&m, RAYS_WIDTH * RAYS_HEIGHT);
+  }
+  rays_close(&m);
+}
+
 /* ---- settings, views and devices ---- */
 
 static void configurations_come_and_go(void **state) {
@@ -572,6 +612,7 @@ int main(int argc, char **argv) {
       cmocka_unit_test(trees_need_more_and_more_room),
       cmocka_unit_test(meshes_come_and_go),
       cmocka_unit_test(casters_are_cut_out),
+      cmocka_unit_test(rays_pass_holes),
       cmocka_unit_test(configurations_come_and_go),
       cmocka_unit_test(cascades_share_a_scene),
       cmocka_unit_test(a_switch_takes_trees_along),
