@@ -134,7 +134,10 @@ static csm_result instance_create(gpu_device *device, const validation *on) {
 
 static csm_result create_instance(gpu_device *device, bool validate) {
   validation on = {0};
-  csm_result result = find_instance_extension(device, NULL, VK_EXT_DEBUG_UTILS_EXTENSION_NAME, &device->debug);
+  csm_result result = CSM_SUCCESS;
+  /* Not for names alone: to set one, loaders walk a list without a lock that other threads change (Vulkan-Loader, 200). */
+  if (validate)
+    result = find_instance_extension(device, NULL, VK_EXT_DEBUG_UTILS_EXTENSION_NAME, &device->debug);
   if (result == CSM_SUCCESS && validate)
     result = find_validation(device, &on);
   if (result == CSM_SUCCESS)

@@ -239,7 +239,7 @@ static int time_rays(bench *b) {
     return 0;
   int code = bench_plan_make(&many, &b->setup, MANY_INSTANCES);
   if (code == 0)
-    code = bench_rays_run(&b->rays, b->stages, b->stage_count, &many, b->options->device, b->pairs);
+    code = bench_rays_run(&b->rays, b->stages, b->stage_count, &many, b->options, b->pairs);
   bench_plan_free(&many);
   return code;
 }

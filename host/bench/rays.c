@@ -107,15 +107,17 @@ static int time_tables(bench_rays *out, stage *stages, uint32_t stage_count) {
   return code ? code : bench_rows_run(&out->frames, &table, stages, stage_count, (bench_floor){0}, out->pairs);
 }
 
-int bench_rays_run(bench_rays *out, stage *stages, uint32_t stage_count, const bench_plan *many, const char *device,
-                   uint32_t pairs) {
+int bench_rays_run(bench_rays *out, stage *stages, uint32_t stage_count, const bench_plan *many,
+                   const host_options *options, uint32_t pairs) {
   int code = 0;
   out->pairs = pairs;
   for (uint32_t i = 0; i < stage_count && code == 0; i++) {
     bench_ray_costs *costs = &out->costs[out->count++];
     code = measure(costs, &stages[i], pairs);
     if (code == 0) /* a frame of many instances is long on a CPU */
-      code = bench_moved_run(&costs->moved, &stages[i], many, device, 1 + pairs / 4);
+      code = bench_moved_run(&costs->moved, &stages[i], many, options->device, 1 + pairs / 4);
   }
-  return code ? code : time_tables(out, stages, stage_count);
+  if (code == 0)
+    code = time_tables(out, stages, stage_count);
+  return code ? code : bench_normals_run(&out->normals, stages[0].setup, options, pairs);
 }

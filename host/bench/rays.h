@@ -3,6 +3,7 @@
 #define HOST_BENCH_RAYS_H
 
 #include "bench/moved.h"
+#include "bench/normals.h"
 #include "bench/rows.h"
 
 /* On one backend. */
@@ -23,11 +24,12 @@ typedef struct bench_rays {
   bench_ray_costs costs[HOST_BACKENDS];
   uint32_t count;
   bench_rows masks, frames;
+  bench_normals normals;
 } bench_rays;
 
 /* `many`: the instances of which some move. The stages have been loaded, and are so afterwards. 0, or a code after a message. */
-int bench_rays_run(bench_rays *out, stage *stages, uint32_t stage_count, const bench_plan *many, const char *device,
-                   uint32_t pairs);
+int bench_rays_run(bench_rays *out, stage *stages, uint32_t stage_count, const bench_plan *many,
+                   const host_options *options, uint32_t pairs);
 void bench_rays_print(FILE *to, const bench_rays *rays);
 json_t *bench_rays_to_json(const bench_rays *rays);
 

@@ -38,6 +38,7 @@ void bench_rays_print(FILE *to, const bench_rays *rays) {
     print_costs(to, &rays->costs[i]);
   bench_rows_print(to, &rays->masks);
   bench_rows_print(to, &rays->frames);
+  bench_normals_print(to, &rays->normals);
 }
 
 static void set_estimate(json_t *object, const char *name, estimate value) {
@@ -72,5 +73,7 @@ json_t *bench_rays_to_json(const bench_rays *rays) {
   json_object_set_new(object, "costs", costs);
   json_object_set_new(object, "masks", bench_rows_to_json(&rays->masks));
   json_object_set_new(object, "frames", bench_rows_to_json(&rays->frames));
+  if (rays->normals.pairs)
+    json_object_set_new(object, "normals", bench_normals_to_json(&rays->normals));
   return object;
 }

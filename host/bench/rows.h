@@ -42,6 +42,8 @@ void bench_table_maps(bench_table *out, const csm_config *config);
 void bench_table_moments(bench_table *out, const csm_config *config);
 /* What preset `exact` says, over a configuration. */
 void bench_exact(csm_config *config);
+/* How many times pcf_3x3's mask may the exact one take with an engine's normals; 0: that is not known of the scene. */
+double bench_most_with_normals(const char *scene);
 /* The mask with rays, and the maps with it, against those of pcf_3x3; what they may take is known for some scenes. */
 void bench_table_ray_masks(bench_table *out, const csm_config *config, const char *scene);
 void bench_table_ray_frames(bench_table *out, const csm_config *config, const char *scene);
