@@ -3,7 +3,6 @@
 #include "hard/engine.h"
 #include "truth/truth.h"
 #include <stdlib.h>
-#include <string.h>
 
 enum { warm_up = 2 };
 enum { BASE, EXACT, SIDES };
@@ -23,16 +22,16 @@ static int see_normals(normals_bench *b) {
   const size_t pixels = (size_t)setup->width * setup->height;
   uint32_t *triangles = host_allocate(pixels, sizeof *triangles);
   truth *caster = truth_create(&setup->scene, true);
-  const truth_view view = {.camera = &setup->camera,
-                           .width = setup->width,
-                           .height = setup->height,
-                           .surfaces = host_allocate(pixels, sizeof *view.surfaces)};
+  const hard_truth seen = {.view = {.camera = &setup->camera,
+                                    .width = setup->width,
+                                    .height = setup->height,
+                                    .surfaces = host_allocate(pixels, sizeof *seen.view.surfaces)}};
   int code = truth_find(caster, &setup->camera, setup->width, setup->height, triangles);
   if (code == 0)
-    code = truth_view_fill(caster, &view, triangles);
-  for (size_t i = 0; i < pixels && code == 0; i++)
-    memcpy(b->normals[i], view.surfaces[i].normal, sizeof view.surfaces[i].normal);
-  free(view.surfaces);
+    code = truth_view_fill(caster, &seen.view, triangles);
+  if (code == 0)
+    b->normals = hard_true_normals(&seen);
+  free(seen.view.surfaces);
   truth_destroy(caster);
   free(triangles);
   return code;
@@ -67,7 +66,6 @@ static int draw_in_turn(normals_bench *b, uint32_t pairs) {
 static int open_sides(normals_bench *b, const host_setup *setup, const host_options *options, uint32_t pairs) {
   const size_t pixels = (size_t)setup->width * setup->height;
   int code = 0;
-  b->normals = host_allocate(pixels, sizeof *b->normals);
   b->mask = host_allocate(pixels, sizeof *b->mask);
   for (int side = 0; side < SIDES; side++) {
     b->ms[side] = host_allocate(pairs, sizeof(double));

@@ -1,6 +1,5 @@
 /* bare_plane.c: a plane with nothing on it, under the whole field of view. It is lit, everywhere. */
 #include "hard/hard.h"
-#include <stdlib.h>
 
 static void add_figures(hard_run *run, const hard_truth *truth, const hard_picture *drawn, const char *how) {
   const hard_count count = hard_judge(run, truth, drawn->mask, (hard_margin){.silhouette_px = 0.0});
@@ -9,17 +8,6 @@ static void add_figures(hard_run *run, const hard_truth *truth, const hard_pictu
   /* It fills more than a third of the picture: something was judged. */
   hard_figure_add(run, count.judged * 3 > (uint64_t)drawn->width * drawn->height ? 0.0 : 1.0, 0.0, "1",
                   "pictures without a plane");
-}
-
-static int draw_with_normals(hard_run *run, const host_setup *setup, const scene_light *sun, const hard_truth *truth,
-                             hard_picture *drawn) {
-  float(*normals)[4] = hard_true_normals(truth);
-  const hard_inputs inputs = {.normals = (const float(*)[4])normals};
-  const int code = hard_draw_engine(run, &inputs, &setup->camera, sun, drawn);
-  if (code == 0)
-    add_figures(run, truth, drawn, "the engine's normals");
-  free(normals);
-  return code;
 }
 
 static int draw_plane(hard_run *run, const host_setup *setup, hard_picture *drawn, hard_truth *truth) {
@@ -33,8 +21,11 @@ static int draw_plane(hard_run *run, const host_setup *setup, hard_picture *draw
       code = hard_cast(run, &setup->camera, &sun, truth);
     if (code == 0)
       add_figures(run, truth, drawn, "normals from the depth");
-    if (code == 0 && hard_has_engine(run))
-      code = draw_with_normals(run, setup, &sun, truth, drawn);
+    if (code == 0 && hard_has_engine(run)) {
+      code = hard_draw_normals(run, truth, drawn);
+      if (code == 0)
+        add_figures(run, truth, drawn, "the engine's normals");
+    }
   }
   return code;
 }

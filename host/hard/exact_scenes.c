@@ -5,7 +5,6 @@
 #include "base/host.h"
 #include "hard/exact.h"
 #include <math.h>
-#include <stdlib.h>
 
 enum { WIDTH = 320, HEIGHT = 180, LIGHTS = 9 };
 
@@ -45,19 +44,15 @@ static void add_figures(hard_run *run, const known_scene *of, int way, const met
 }
 
 /* `drawn`: the same picture, of which the view depths serve again. */
-static int measure_normals(hard_run *run, const scene_light *sun, const hard_truth *truth, const hard_picture *drawn,
-                           metrics *out) {
-  float(*normals)[4] = hard_true_normals(truth);
-  const hard_inputs inputs = {.normals = (const float(*)[4])normals};
+static int measure_normals(hard_run *run, const hard_truth *truth, const hard_picture *drawn, metrics *out) {
   hard_picture picture = {0};
-  int code = hard_draw_engine(run, &inputs, &run->setup->camera, sun, &picture);
+  int code = hard_draw_normals(run, truth, &picture);
   if (code == 0) {
     hard_picture seen = *drawn;
     seen.mask = picture.mask;
     code = hard_measure(out, truth, &seen);
   }
   hard_picture_free(&picture);
-  free(normals);
   return code;
 }
 
@@ -75,7 +70,7 @@ static int draw_light(hard_run *run, const scene_light *sun, hard_truth *truth, 
       code = hard_measure(&out[way], truth, &drawn);
   }
   if (code == 0 && hard_has_engine(run))
-    code = measure_normals(run, sun, truth, &drawn, &out[ENGINE_NORMALS]);
+    code = measure_normals(run, truth, &drawn, &out[ENGINE_NORMALS]);
   hard_picture_free(&drawn);
   return code;
 }

@@ -207,6 +207,8 @@ void hard_truth_free(hard_truth *truth);
 /* What a truth's camera would have in its depth buffer, and the geometric normals, to be freed: for hard_inputs. */
 float *hard_true_depth(const hard_truth *truth);
 float (*hard_true_normals(const hard_truth *truth))[4];
+/* As hard_draw_engine, what a truth's camera sees under its light, with its normals. */
+int hard_draw_normals(hard_run *run, const hard_truth *truth, hard_picture *out);
 
 /* Pixels nearer to a silhouette (neighbours on surfaces that do not join there), or to a true shadow's edge, than this
  * are not judged, nor are those that the light grazes: the cosine to it is no more than that. */

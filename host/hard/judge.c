@@ -139,6 +139,14 @@ float (*hard_true_normals(const hard_truth *truth))[4] {
   return normals;
 }
 
+int hard_draw_normals(hard_run *run, const hard_truth *truth, hard_picture *out) {
+  float(*normals)[4] = hard_true_normals(truth);
+  const hard_inputs inputs = {.normals = (const float(*)[4])normals};
+  const int code = hard_draw_engine(run, &inputs, &truth->camera, &truth->light, out);
+  free(normals);
+  return code;
+}
+
 /* ---- pictures of the worst ---- */
 
 /* What is around pixel `at` of two pictures, if that is worse than all before. */

@@ -4,7 +4,6 @@
  */
 #include "hard/hard.h"
 #include <math.h>
-#include <stdlib.h>
 
 /* The short form has half of the pixels across the bare plane, and of the texels. */
 static void make_yard(host_setup *out, bool bare, bool few) {
@@ -38,15 +37,6 @@ static void count_dark(hard_run *run, const hard_truth *truth, const hard_pictur
   const hard_margin margin = {.silhouette_px = silhouette_px, .edge_px = 3.0};
   const hard_count count = hard_judge(run, truth, drawn->mask, margin);
   hard_figure_add(run, (double)count.false_dark, bound, "px", "dark though lit, sun at %g degrees, %s", height, how);
-}
-
-static int draw_normals(hard_run *run, const host_setup *setup, const scene_light *sun, const hard_truth *truth,
-                        hard_picture *drawn) {
-  float(*normals)[4] = hard_true_normals(truth);
-  const hard_inputs inputs = {.normals = (const float(*)[4])normals};
-  const int code = hard_draw_engine(run, &inputs, &setup->camera, sun, drawn);
-  free(normals);
-  return code;
 }
 
 /* The same sun and truth, with every kind of filter: on the plane alone, for most are wide. */
@@ -83,7 +73,7 @@ static int look_for_acne(hard_run *run, bool bare) {
     if (code == 0 && bare && (run->sweep || height == 1.0)) /* so many filters take long */
       code = draw_filters(run, &setup, &sun, &truth, &drawn, height);
     if (code == 0 && hard_has_engine(run)) {
-      code = draw_normals(run, &setup, &sun, &truth, &drawn);
+      code = hard_draw_normals(run, &truth, &drawn);
       if (code == 0)
         count_dark(run, &truth, &drawn, height, 0.0, 0.0,
                    bare ? "a plane, the engine's normals" : "a yard, the engine's normals");
