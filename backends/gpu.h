@@ -159,6 +159,7 @@ typedef struct gpu_open_info {
   const gpu_host *host;
   const char *device_name; /* part of a name, or NULL for the best: discrete, integrated, virtual, CPU */
   bool validate;           /* turn the driver stack's validation on; messages go to host->log as errors or warnings */
+  bool names;              /* an own Vulkan device names its objects and marks its passes */
   uint32_t slots;          /* recordings in flight, 1 to 8 */
   const void *native;      /* the engine's device (csm_vulkan_device, csm_d3d12_device), or NULL to open an own one; its
                               struct_size and what it points at are the backend's to check */

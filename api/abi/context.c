@@ -11,7 +11,7 @@ csm_result create_info_refuse(const csm_create_info *info, csm_result result, co
 }
 
 csm_result create_info_check(const csm_create_info *info, const char **text) {
-  const uint32_t known = CSM_CREATE_VALIDATE | CSM_CREATE_KEEP_GEOMETRY | CSM_CREATE_RAYS;
+  const uint32_t known = CSM_CREATE_VALIDATE | CSM_CREATE_KEEP_GEOMETRY | CSM_CREATE_RAYS | CSM_CREATE_NAMES;
   *text = !info->backend                             ? "csm_create_info: backend is NULL"
           : info->version >> 22 != CSM_VERSION_MAJOR ? "csm_create_info: version is of another major version of csm"
           : info->frame_slots > DEVICE_MAX_SLOTS     ? "csm_create_info: frame_slots is above 8"
@@ -44,6 +44,7 @@ csm_result context_open(csm_context *context, const csm_create_info *info, opene
                                              .backend = fresh->library.backend,
                                              .device_name = info->device,
                                              .validate = info->flags & CSM_CREATE_VALIDATE,
+                                             .names = info->flags & CSM_CREATE_NAMES,
                                              .native = info->vulkan ? (const void *)info->vulkan : info->d3d12,
                                              .memory_limit = info->memory_limit,
                                              .slots = info->frame_slots,

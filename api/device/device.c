@@ -53,6 +53,7 @@ static csm_result open_backend(device *device, const device_open_info *info) {
       .host = &device->lent,
       .device_name = info->device_name,
       .validate = info->validate,
+      .names = info->names,
       .slots = device->slot_count,
       .native = info->native,
       .error = text,

@@ -178,8 +178,9 @@ struct device {
 typedef struct device_open_info {
   host *host;
   const gpu_backend *backend;
-  const char *device_name; /* as in gpu_open_info, as are the next two */
+  const char *device_name; /* as in gpu_open_info, as are the next three */
   bool validate;
+  bool names;
   const void *native;    /* the engine's device, or NULL */
   uint64_t memory_limit; /* 0: what the device allows */
   uint32_t slots;        /* 0: 3 */

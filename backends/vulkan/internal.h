@@ -160,7 +160,7 @@ struct gpu_device {
   void *memory_user;
   VkPhysicalDeviceFeatures features; /* that are enabled, of those that matter here */
   bool usable;                       /* its functions are loaded */
-  bool debug;                        /* VK_EXT_debug_utils is on */
+  bool debug;                        /* objects are named, and passes marked, by VK_EXT_debug_utils */
   bool driver_properties;            /* VK_KHR_driver_properties may be asked */
   bool memory_budget;                /* VK_EXT_memory_budget is on */
   bool dynamic_rendering;            /* is on: passes use it */

@@ -73,12 +73,12 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL log_message(VkDebugUtilsMessageSeverityFla
   return VK_FALSE;
 }
 
-/* What of validation there is: the layer, and its extension that validates synchronization. */
-typedef struct validation {
-  bool layer, features;
-} validation;
+/* What the instance turns on: the layer, its extension that validates synchronization, and VK_EXT_debug_utils. */
+typedef struct debugging {
+  bool layer, features, utils;
+} debugging;
 
-static csm_result find_validation(gpu_device *device, validation *out) {
+static csm_result find_validation(gpu_device *device, debugging *out) {
   csm_result result = find_validation_layer(device, &out->layer);
   if (result == CSM_SUCCESS && out->layer)
     result =
@@ -99,7 +99,7 @@ static VkDebugUtilsMessengerCreateInfoEXT messenger_of(gpu_device *device) {
                                               .pUserData = device};
 }
 
-static csm_result instance_create(gpu_device *device, const validation *on) {
+static csm_result instance_create(gpu_device *device, const debugging *on) {
   const VkValidationFeatureEnableEXT enabled[] = {VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT};
   const VkValidationFeaturesEXT features = {.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
                                             .enabledValidationFeatureCount = 1,
@@ -109,7 +109,7 @@ static csm_result instance_create(gpu_device *device, const validation *on) {
   const char *layers[] = {VALIDATION_LAYER};
   const char *extensions[2];
   uint32_t extension_count = 0;
-  if (device->debug)
+  if (on->utils)
     extensions[extension_count++] = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
   if (on->features)
     extensions[extension_count++] = VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME;
@@ -118,7 +118,7 @@ static csm_result instance_create(gpu_device *device, const validation *on) {
                                          .applicationVersion = CSM_VERSION,
                                          .apiVersion = VK_API_VERSION_1_1};
   const VkInstanceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
-                                     .pNext = on->layer && device->debug ? &messenger : NULL,
+                                     .pNext = on->layer && on->utils ? &messenger : NULL,
                                      .pApplicationInfo = &application,
                                      .enabledLayerCount = on->layer,
                                      .ppEnabledLayerNames = layers,
@@ -132,13 +132,12 @@ static csm_result instance_create(gpu_device *device, const validation *on) {
   return vulkan_check(device, created, "vkCreateInstance");
 }
 
-static csm_result create_instance(gpu_device *device, bool validate) {
-  validation on = {0};
+static csm_result create_instance(gpu_device *device, const gpu_open_info *info) {
+  debugging on = {0};
   csm_result result = CSM_SUCCESS;
-  /* Not for names alone: to set one, loaders walk a list without a lock that other threads change (Vulkan-Loader, 200). */
-  if (validate)
-    result = find_instance_extension(device, NULL, VK_EXT_DEBUG_UTILS_EXTENSION_NAME, &device->debug);
-  if (result == CSM_SUCCESS && validate)
+  if (info->validate || info->names)
+    result = find_instance_extension(device, NULL, VK_EXT_DEBUG_UTILS_EXTENSION_NAME, &on.utils);
+  if (result == CSM_SUCCESS && info->validate)
     result = find_validation(device, &on);
   if (result == CSM_SUCCESS)
     result = instance_create(device, &on);
@@ -146,8 +145,10 @@ static csm_result create_instance(gpu_device *device, bool validate) {
     return result;
   if (!vulkan_load_instance(&device->vk, device->instance, true))
     return lent_fail(&device->lent, CSM_ERROR_NO_DEVICE, "the Vulkan instance lacks functions of Vulkan 1.1");
-  device->debug = device->debug && vulkan_load_debug(&device->vk, device->instance, true);
-  if (!on.layer || !device->debug)
+  on.utils = on.utils && vulkan_load_debug(&device->vk, device->instance, true);
+  /* Without it nothing is named, validated or not: loaders take no lock for it (Vulkan-Loader, issue 200). */
+  device->debug = on.utils && info->names;
+  if (!on.layer || !on.utils)
     return CSM_SUCCESS;
   const VkDebugUtilsMessengerCreateInfoEXT messenger = messenger_of(device);
   return vulkan_made(device,
@@ -261,7 +262,7 @@ static void find_features(gpu_device *device) {
 csm_result vulkan_own_select(gpu_device *device, const gpu_open_info *info) {
   csm_result result = open_library(device);
   if (result == CSM_SUCCESS)
-    result = create_instance(device, info->validate);
+    result = create_instance(device, info);
   if (result == CSM_SUCCESS)
     result = select_physical(device, info->device_name);
   if (result == CSM_SUCCESS)

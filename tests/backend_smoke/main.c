@@ -156,6 +156,7 @@ int main(int count, char **arguments) {
   gpu_open_info info = {.host = &s.host,
                         .device_name = count > 2 ? arguments[2] : NULL,
                         .validate = true,
+                        .names = true,
                         .slots = SLOTS,
                         .error = error,
                         .error_size = sizeof error};

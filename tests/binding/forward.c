@@ -537,7 +537,8 @@ int main(int argc, char **argv) {
   loader_library library;
   bench b = {.every = argc > 2 && !strcmp(argv[2], "--long")};
   const gpu_host host = {.user = &b, .allocate = test_allocate, .release = test_release, .log = message};
-  const gpu_open_info info = {.host = &host, .validate = true, .slots = 1, .error = error, .error_size = sizeof error};
+  const gpu_open_info info = {
+      .host = &host, .validate = true, .names = true, .slots = 1, .error = error, .error_size = sizeof error};
   if (loader_open(&library, argv[1], error, sizeof error) || library.backend->open(&info, &b.gpu.device)) {
     fprintf(stderr, "%s\n", error);
     loader_close(&library);

@@ -41,7 +41,7 @@ csm_create_info support_create_info(record *record) {
     *record = (struct record){.backend = support_backend(), .allocations_left = -1};
   return (csm_create_info){
       .struct_size = sizeof(csm_create_info),
-      .flags = CSM_CREATE_VALIDATE,
+      .flags = CSM_CREATE_VALIDATE | CSM_CREATE_NAMES,
       .version = CSM_VERSION,
       .backend = record->backend,
       .allocate = count_allocate,

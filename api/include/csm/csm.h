@@ -95,9 +95,20 @@ CSM_API csm_result CSM_CALL csm_query_backends(uint32_t *count, csm_backend_info
 /* ---- context ---- */
 
 enum {
-  CSM_CREATE_VALIDATE = 1u << 0,      /* own device: turn the driver stack's validation on, messages go to the log */
+  /*
+   * own device: turn the driver stack's validation on, messages go to the log. While such a context is called, no other
+   * thread makes or destroys a Vulkan device: the Khronos layer looks its devices up without a lock.
+   */
+  CSM_CREATE_VALIDATE = 1u << 0,
   CSM_CREATE_KEEP_GEOMETRY = 1u << 1, /* keep a copy of every mesh in host memory, for csm_switch_backend */
-  CSM_CREATE_RAYS = 1u << 2           /* make a tree of every mesh, for filters exact and exact_soft */
+  CSM_CREATE_RAYS = 1u << 2,          /* make a tree of every mesh, for filters exact and exact_soft */
+  /*
+   * own Vulkan device: name its objects and mark its passes, for captures and for validation's messages. Threads keep
+   * to what CSM_CREATE_VALIDATE asks: loaders look a device up without a lock to name an object of it. Other devices
+   * have names and marks without this flag: Direct3D 12's always, an engine's Vulkan device where its instance enables
+   * VK_EXT_debug_utils.
+   */
+  CSM_CREATE_NAMES = 1u << 3
 };
 
 typedef struct csm_mesh_info csm_mesh_info;
