@@ -1,8 +1,6 @@
 #include "abi/cascades.h"
 #include "abi/frame_input.h"
 #include "abi/view.h"
-#include "techniques/depth_samples/depth_samples.h"
-#include "techniques/history/history.h"
 
 enum { largest_mask = 16384 };
 
@@ -127,9 +125,6 @@ csm_result CSM_CALL csm_resolve_mask(csm_view *view, csm_cascades *cascades, con
     return result;
   view->cascades = cascades;
   view->renders = cascades->renders;
-  if (cascades->config.depth_samples == CSM_DEPTH_SAMPLES_OFF)
-    depth_samples_drop(&view->techniques, context_device(context));
-  if (cascades->config.history == CSM_HISTORY_OFF)
-    history_drop(&view->techniques, context_device(context));
+  technique_set_drop_unwanted(&view->techniques, context_device(context), &cascades->config);
   return CSM_SUCCESS;
 }

@@ -74,8 +74,8 @@ typedef struct page {
 
 /* See tree_pool.h. */
 typedef struct tree_pool {
-  bool wanted; /* meshes get trees: CSM_CREATE_RAYS */
-  page page;   /* size 0: none yet */
+  bool wanted;       /* meshes get trees: CSM_CREATE_RAYS */
+  page page;         /* size 0: none yet */
   retired *outgrown; /* the buffer before, which the next recording copies; NULL: none */
   uint64_t bytes;    /* that are placed */
 } tree_pool;

@@ -15,7 +15,6 @@ typedef struct page_piece {
   uint32_t upload; /* in uploads, counted from 1; 0: none waits */
 } page_piece;
 
-
 /* Takes a piece of one page; *out is NULL if there is no room. Errors: OUT_OF_MEMORY. */
 csm_result page_take(device *device, page *from, uint64_t size, page_piece **out);
 /* Errors: those of device_buffer, OUT_OF_MEMORY. */

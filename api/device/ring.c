@@ -17,7 +17,8 @@ static csm_result ring_create(device *device, uint64_t size, ring_buffer **out) 
   ring->size = smallest;
   while (ring->size < size)
     ring->size *= 2;
-  const gpu_buffer_info info = {.name = "frame ring", .kind = GPU_BUFFER_UPLOAD, .size = ring->size, .usage = GPU_BUFFER_READ};
+  const gpu_buffer_info info = {
+      .name = "frame ring", .kind = GPU_BUFFER_UPLOAD, .size = ring->size, .usage = GPU_BUFFER_READ};
   const csm_result result = device_buffer(device, &info, &ring->buffer);
   if (result) {
     host_release(device->host, ring);

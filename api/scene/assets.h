@@ -19,7 +19,7 @@ typedef struct mesh_table {
   handle_table handles;
   csm_mesh_info *infos; /* shapes; positions, uvs and indices point into the copy, or are NULL */
   void **copies;
-  mesh_tree **trees; /* of those that rays may meet; else NULL */
+  mesh_tree **trees;   /* of those that rays may meet; else NULL */
   plan_bounds *bounds; /* as the plan wants them */
   uint32_t *users;     /* instances of scenes */
   uint64_t revision;   /* counts the meshes that changed or went */
@@ -40,7 +40,7 @@ typedef struct assets {
   alpha_mask_table alpha_masks;
   struct csm_scene *scenes; /* all of them */
   bool keep_geometry;
-  bool trees; /* meshes get trees */
+  bool trees;                 /* meshes get trees */
   csm_supply_function supply; /* may be NULL */
 } assets;
 

@@ -29,6 +29,11 @@ double pass_timer_ms(const pass_timer *timer, uint32_t step) {
   return step < timer->measured ? timer->ms[step] : -1;
 }
 
+void pass_timer_skip(pass_timer *timer, const technique_run *run) {
+  if (run->timestamps)
+    pass_timer_drop(timer, run->device);
+}
+
 void pass_timer_drop(pass_timer *timer, device *device) {
   recording_forget_timing(device, timer);
   *timer = (pass_timer){0};

@@ -17,6 +17,8 @@ typedef struct pass_timer {
 void pass_timer_begin(pass_timer *timer, const technique_run *run, uint32_t steps);
 /* A step ends, and the next one begins. */
 void pass_timer_step(pass_timer *timer, const technique_run *run);
+/* A recording goes without the steps: where it is measured, they are not, and what was is not of it. */
+void pass_timer_skip(pass_timer *timer, const technique_run *run);
 /* -1 if it is not measured. */
 double pass_timer_ms(const pass_timer *timer, uint32_t step);
 /* Forgets what was measured, and what the device is still measuring. */

@@ -44,8 +44,8 @@ typedef struct technique_picture {
   plan_grain depth_rounding;
   engine_imported normals; /* out, of technique_mask, as the next: the engine's, if the picture needs them */
   gpu_image *mask;
-  gpu_view *mask_stores;      /* NULL: no shader writes it */
-  ring_range mask_constants;  /* the two blocks that the mask's programs see */
+  gpu_view *mask_stores;     /* NULL: no shader writes it */
+  ring_range mask_constants; /* the two blocks that the mask's programs see */
 } technique_picture;
 
 /* One recording on its way through the techniques. */
@@ -61,7 +61,7 @@ typedef struct technique_run {
   bool timestamps;
   technique_set *cascades;
   uint32_t same;              /* bit i: cascade i's map comes out as that of the frame before did; 0 for a picture */
-  uint32_t light_layers;   /* instances of other layers cast nothing; 0: all */
+  uint32_t light_layers;      /* instances of other layers cast nothing; 0: all */
   const plan_scene *scene;    /* what the plan's lists are of; NULL for a picture */
   technique_set *view;        /* NULL: the cascades' techniques run */
   technique_picture *picture; /* likewise */
@@ -139,6 +139,8 @@ csm_result technique_set_make(technique_set *set, device *device, const csm_conf
 void technique_set_adopt(technique_set *set, device *from, const csm_config *config);
 void technique_set_forget(technique_set *set, device *device);
 void technique_set_drop(technique_set *set, device *device);
+/* Drops what the configuration does not ask for. */
+void technique_set_drop_unwanted(technique_set *set, device *device, const csm_config *config);
 
 /* Reserves, writes and records what the configuration asks for, of the view's techniques if there is a view, else of
    the cascades'. After an error everything is as it was, or the device is lost. */

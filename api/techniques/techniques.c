@@ -12,7 +12,7 @@
 
 static const technique *const of_cascades[] = {&technique_maps, &technique_moments, &technique_ray_instances};
 static const technique *const of_views[] = {&technique_camera_depth, &technique_mask, &technique_rays,
-                                           &technique_history, &technique_depth_samples};
+                                            &technique_history, &technique_depth_samples};
 
 enum {
   OF_CASCADES = sizeof of_cascades / sizeof of_cascades[0],
@@ -86,6 +86,12 @@ void technique_set_forget(technique_set *set, device *device) {
 void technique_set_drop(technique_set *set, device *device) {
   for (uint32_t i = 0; i < set->count; ++i)
     set->techniques[i]->drop(set->states[i], device);
+}
+
+void technique_set_drop_unwanted(technique_set *set, device *device, const csm_config *config) {
+  for (uint32_t i = 0; i < set->count; ++i)
+    if (!set->techniques[i]->wanted(config))
+      set->techniques[i]->drop(set->states[i], device);
 }
 
 /* ---- recordings ---- */

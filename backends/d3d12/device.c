@@ -1,7 +1,6 @@
 /* device.c: a device that own.c opened or engine.c took; errors and names. */
 #include "internal.h"
 
-
 /* ---- errors and names ---- */
 
 static csm_result result_of(HRESULT hr) {

@@ -205,13 +205,14 @@ static int parse_sun_samples(host_options *out, const char *value) {
 }
 
 static int parse_only(host_options *out, const char *value) {
-  static const char *const parts[] = {"depth", "floors", "filters", "modes", "maps", "moments", "drawn", "bare", "rays"};
+  static const char *const parts[] = {"depth",   "floors", "filters", "modes", "maps",
+                                      "moments", "drawn",  "bare",    "rays"};
   out->only = value;
   for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
     if (strcmp(value, parts[i]) == 0)
       return 0;
-  return host_fail(HOST_BAD_INPUT, "--only: not depth, floors, filters, modes, maps, moments, drawn, bare or rays: '%s'",
-                   value);
+  return host_fail(HOST_BAD_INPUT,
+                   "--only: not depth, floors, filters, modes, maps, moments, drawn, bare or rays: '%s'", value);
 }
 
 static int parse_scene(host_options *out, const char *value) {

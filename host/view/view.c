@@ -19,19 +19,18 @@ static const double rest_ms = 250.0;
 /* A frame of --frames lasts this long, however long it takes. */
 static const double scripted_seconds = 0.1;
 
-static const char help[] =
-    "  W A S D   fly; E and Q up and down; shift faster; drag the mouse to look around\n"
-    "  B         swap the backend\n"
-    "  V         next view: lit, cascades, density, penumbra (of soft filters), rays (of exact\n"
-    "            ones), maps, frusta, culled\n"
-    "  C         the cascades, and back\n"
-    "  M         the maps, and back\n"
-    "  F         next filter\n"
-    "  R         next resolution\n"
-    "  1 to 8    so many cascades\n"
-    "  P         next preset\n"
-    "  H         this text\n"
-    "  Esc       leave\n";
+static const char help[] = "  W A S D   fly; E and Q up and down; shift faster; drag the mouse to look around\n"
+                           "  B         swap the backend\n"
+                           "  V         next view: lit, cascades, density, penumbra (of soft filters), rays (of exact\n"
+                           "            ones), maps, frusta, culled\n"
+                           "  C         the cascades, and back\n"
+                           "  M         the maps, and back\n"
+                           "  F         next filter\n"
+                           "  R         next resolution\n"
+                           "  1 to 8    so many cascades\n"
+                           "  P         next preset\n"
+                           "  H         this text\n"
+                           "  Esc       leave\n";
 
 typedef enum shown {
   SHOW_LIT,

@@ -329,6 +329,47 @@ static void nodes_of_rays_are_counted(void **state) {
   finish(&v);
 }
 
+/* ---- times ---- */
+
+static csm_view_stats stats_after(shown *v, const csm_config *config, shot *shot, uint32_t show) {
+  csm_view_stats stats = {.struct_size = sizeof stats};
+  draw(v, config, shot);
+  free(resolve(v, shot, show));
+  assert_int_equal(csm_get_view_stats(v->view, &stats), CSM_SUCCESS);
+  return stats;
+}
+
+/* What the last timed mask went without has no time, whatever masks before it took. */
+static void times_are_of_the_last_mask_that_was_timed(void **state) {
+  (void)state;
+  shown v;
+  support_scene scene;
+  const csm_config plain = support_config();
+  csm_config exact = plain;
+  exact.filter = CSM_FILTER_EXACT;
+  exact.history = CSM_HISTORY_ON;
+  open_view_with(&v, CSM_CREATE_RAYS);
+  support_scene_make(&scene, v.context);
+  shot *shot = &scene.shot;
+  shot->frame.flags = CSM_FRAME_TIMESTAMPS;
+  csm_view_stats stats = stats_after(&v, &exact, shot, CSM_SHOW_VISIBILITY);
+  assert_true(stats.mask_gpu_ms > 0 && stats.rays_gpu_ms > 0 && stats.history_gpu_ms > 0 && stats.ray_pixels > 0);
+  shot->frame.flags = 0;
+  const csm_view_stats untimed = stats_after(&v, &exact, shot, CSM_SHOW_CASCADE);
+  assert_true(untimed.rays_gpu_ms == stats.rays_gpu_ms && untimed.history_gpu_ms == stats.history_gpu_ms);
+  shot->frame.flags = CSM_FRAME_TIMESTAMPS;
+  stats = stats_after(&v, &exact, shot, CSM_SHOW_CASCADE);
+  assert_true(stats.mask_gpu_ms > 0 && stats.rays_gpu_ms < 0 && stats.history_gpu_ms < 0);
+  stats = stats_after(&v, &exact, shot, CSM_SHOW_VISIBILITY);
+  assert_true(stats.rays_gpu_ms > 0 && stats.history_gpu_ms > 0);
+  const uint64_t bytes = stats.bytes - stats.history_bytes;
+  stats = stats_after(&v, &plain, shot, CSM_SHOW_VISIBILITY);
+  assert_true(stats.mask_gpu_ms > 0 && stats.rays_gpu_ms < 0 && stats.history_gpu_ms < 0);
+  assert_int_equal(stats.ray_pixels, 0);
+  assert_true(stats.bytes + 3 * (uint64_t)pixels <= bytes); /* the rays' list of 4 bytes a pixel has gone, too */
+  finish(&v);
+}
+
 /* ---- casters ---- */
 
 static void casters_are_told(void **state) {
@@ -375,6 +416,7 @@ static void casters_are_told(void **state) {
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(nodes_of_rays_are_counted),
+      cmocka_unit_test(times_are_of_the_last_mask_that_was_timed),
       cmocka_unit_test(a_point_has_the_cascade_of_its_interval),
       cmocka_unit_test(dithered_points_have_the_cascade_they_got),
       cmocka_unit_test(a_wall_has_the_density_of_its_texels),

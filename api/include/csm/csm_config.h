@@ -40,8 +40,8 @@ enum {
   CSM_FILTER_EVSM4 = 13, /* four: two each of a rising and a falling exponential */
   CSM_FILTER_MSM4 = 14,  /* four: moment shadow maps */
   /* Of a light that has a size: the penumbra grows with the distance to what shadows. */
-  CSM_FILTER_PCSS = 15,          /* percentage-closer soft shadows: a search for blockers, then soft_taps comparisons */
-  CSM_FILTER_VSSM = 16,          /* variance soft shadow mapping: the same of two moments */
+  CSM_FILTER_PCSS = 15, /* percentage-closer soft shadows: a search for blockers, then soft_taps comparisons */
+  CSM_FILTER_VSSM = 16, /* variance soft shadow mapping: the same of two moments */
   CSM_FILTER_BACKPROJECTION = 17, /* what the texels around the sample hide of the light's disc */
   /* Maps decide where all texels around the sample agree; elsewhere rays through the casters' triangles do. They need a
      context with CSM_CREATE_RAYS. */
@@ -174,7 +174,7 @@ typedef struct csm_config {
   uint32_t moment_sampling;    /* CSM_SAMPLING_* */
   uint32_t moment_anisotropy;  /* CSM_SAMPLING_ANISOTROPIC: at most so many samples, 1 to 16 */
   uint32_t moment_halved;      /* 1: moments have half as many texels a side as the map */
-  double moment_exponent;          /* ESM, EVSM2, EVSM4: c of exp(c z), z from -1 to 1 over the depth range; at most what
+  double moment_exponent;      /* ESM, EVSM2, EVSM4: c of exp(c z), z from -1 to 1 over the depth range; at most what
                                       moment_format holds */
   double moment_exponent_negative; /* EVSM4: c of -exp(-c z), likewise */
   double moment_bias;              /* share by which moments become those of depths that are spread out */
@@ -201,15 +201,15 @@ typedef struct csm_config {
   uint32_t history_frames;   /* a pixel is the mean of so many frames at most, 1 to 64 */
   double history_depth;      /* a pixel's history counts where its surface lies as deep, to this share of its depth */
   double history_normal_deg; /* and is turned by no more than this, in degrees */
-  uint32_t history_jitter;   /* 1: each frame's maps begin elsewhere within a texel, so that edges of texels are noise, too */
+  uint32_t history_jitter;   /* 1: each frame's maps begin elsewhere within a texel, so that their edges are noise */
   uint32_t reserved_history; /* 0 */
 
   /* Rays: filters exact and exact_soft. */
-  uint32_t ray_taps;          /* EXACT_SOFT: rays from a pixel to the light's disc, 1 to 64 */
-  uint32_t reserved_rays;     /* 0 */
-  double ray_unsure_cosine;   /* masks without an engine's normals: where the depth leaves a pixel's plane unsure, a ray
+  uint32_t ray_taps;         /* EXACT_SOFT: rays from a pixel to the light's disc, 1 to 64 */
+  uint32_t reserved_rays;    /* 0 */
+  double ray_unsure_cosine;  /* masks without an engine's normals: where the depth leaves a pixel's plane unsure, a ray
                                  decides if the cosine of the plane's normal to the light is below this, 0 to 1 */
-  double ray_grazing_cosine;  /* and below this one wherever the plane is known, too */
+  double ray_grazing_cosine; /* and below this one wherever the plane is known, too */
 } csm_config;
 
 enum { CSM_FIELD_UINT = 0, CSM_FIELD_DOUBLE = 1, CSM_FIELD_ENUM = 2, CSM_FIELD_DOUBLES = 3, CSM_FIELD_UINTS = 4 };

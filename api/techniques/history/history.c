@@ -180,10 +180,6 @@ static void drop(void *self, device *device) {
   state->frames = 0; /* patterns, too, begin anew */
 }
 
-void history_drop(const technique_set *view, device *device) {
-  drop(technique_state(view, &technique_history), device);
-}
-
 /* ---- recording ---- */
 
 /* A history without frames: no pixel finds anything there. */
@@ -210,6 +206,7 @@ static void record(void *self, const technique_run *run) {
   history_state *state = self;
   const gpu gpu = run->device->gpu;
   if (!state->runs) {
+    pass_timer_skip(&state->timer, run);
     if (state->mask.now)
       state->mask.now->drawn = false;
     return;

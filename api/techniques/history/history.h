@@ -11,7 +11,5 @@ extern const technique technique_history;
 bool history_takes(const csm_config *config, const technique_picture *picture);
 /* The phase of the patterns (plan_history_phase) of the view's next accumulated mask. */
 double history_phase(const technique_set *view);
-/* The history goes, and its images. */
-void history_drop(const technique_set *view, device *device);
 
 #endif

@@ -292,8 +292,10 @@ static void record(void *self, const technique_run *run) {
   const gpu gpu = run->device->gpu;
   const uint32_t across = (picture->width + RAYS_TILE - 1) / RAYS_TILE;
   const uint32_t down = (picture->height + RAYS_TILE - 1) / RAYS_TILE;
-  if (!state->runs)
+  if (!state->runs) {
+    pass_timer_skip(&state->timer, run);
     return;
+  }
   pass_timer_begin(&state->timer, run, 1);
   gpu_marker_begin(gpu, "rays");
   gpu_copy_buffer(gpu, state->now->buffer, 0, state->ring.buffer, state->ring.offset, list_header);
