@@ -44,8 +44,9 @@ static int draw(normals_bench *b, int side, double *ms) {
   const int code = hard_engine_draw(b->engines[side], &inputs, &setup->camera, &setup->light, b->mask);
   if (code)
     return code;
-  if (csm_get_view_stats(hard_engine_stage(b->engines[side])->view, &stats))
-    return HOST_NO_DEVICE;
+  const stage *s = hard_engine_stage(b->engines[side]);
+  if (csm_get_view_stats(s->view, &stats))
+    return host_fail(HOST_NO_DEVICE, "%s: %s", s->backend, csm_last_error(s->context));
   *ms = stats.mask_gpu_ms + (side == EXACT ? stats.rays_gpu_ms : 0.0);
   b->pixels = side == EXACT ? stats.ray_pixels : b->pixels;
   return 0;
@@ -75,7 +76,8 @@ static int open_sides(normals_bench *b, const host_setup *setup, const host_opti
   bench_exact(&b->setups[EXACT].config);
   for (int side = 0; side < SIDES && code == 0; side++) {
     code = hard_engine_open(&b->engines[side], &b->setups[side], options, false);
-    hard_engine_stage(b->engines[side])->frame.flags |= CSM_FRAME_TIMESTAMPS;
+    if (code == 0)
+      hard_engine_stage(b->engines[side])->frame.flags |= CSM_FRAME_TIMESTAMPS;
   }
   return code ? code : see_normals(b);
 }

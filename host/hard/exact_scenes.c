@@ -10,7 +10,10 @@ enum { WIDTH = 320, HEIGHT = 180, LIGHTS = 9 };
 
 /* What decides, and with which normals. */
 enum { ENGINE_NORMALS = EXACT_WAYS, WAYS };
-static const char *const ways[WAYS] = {"maps and rays", "rays alone", "maps and rays, the engine's normals"};
+
+static const char *name_of(int way) {
+  return way == ENGINE_NORMALS ? "maps and rays, the engine's normals" : exact_ways[way];
+}
 
 typedef struct known_scene {
   const char *name;
@@ -38,9 +41,9 @@ static void add_figures(hard_run *run, const known_scene *of, int way, const met
   const double larger = 1280.0 / WIDTH;
   const double most = (way == ENGINE_NORMALS ? of->wrong_normals : of->wrong) * larger;
   hard_figure_add(run, (m->false_lit + m->false_shadow) / most, 1.0, "1", "wrong pixels of %s, of what they may be, %s",
-                  of->name, ways[way]);
-  hard_figure_add(run, m->acne, INFINITY, "1", "acne of %s, %s", of->name, ways[way]);
-  hard_figure_add(run, m->leak, INFINITY, "1", "leaks of %s, %s", of->name, ways[way]);
+                  of->name, name_of(way));
+  hard_figure_add(run, m->acne, INFINITY, "1", "acne of %s, %s", of->name, name_of(way));
+  hard_figure_add(run, m->leak, INFINITY, "1", "leaks of %s, %s", of->name, name_of(way));
 }
 
 /* `drawn`: the same picture, of which the view depths serve again. */
