@@ -665,7 +665,7 @@ typedef struct csm_view_stats {
   double history_gpu_ms;                   /* as csm_cascade_stats.gpu_ms */
   uint64_t history_bytes;                  /* of `bytes`, those of the history */
   double rays_gpu_ms;      /* as csm_cascade_stats.gpu_ms: filters exact and exact_soft, after the mask */
-  uint32_t ray_pixels;     /* of the last mask that the GPU is done with: pixels that sent rays */
+  uint32_t ray_pixels;     /* of the last mask that the GPU is done with: pixels that sent rays, 0 by other filters */
   uint32_t ray_map_pixels; /* and those of them that the map decided: their rays passed casters that cannot be traced */
   uint64_t ray_nodes;      /* of the last CSM_SHOW_RAYS: nodes that all rays looked at, to 16 a pixel */
   uint64_t ray_triangles;  /* and triangles */
