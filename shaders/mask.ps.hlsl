@@ -10,7 +10,7 @@
 #if CSM_FILTER == CSM_FILTER_EXACT || CSM_FILTER == CSM_FILTER_EXACT_SOFT
 #define MASK_RAYS 1
 #include "private/rays.h"
-static float bend = 0.0; // how unsure the depth leaves the pixel's plane: see depth_steps.hlsl
+static bool bends = false; // the depth leaves the pixel's plane unsure: see depth_steps.hlsl
 #endif
 
 // In light space.
@@ -21,7 +21,7 @@ float3 surface_normal(float2 place, float depth)
     return float3(csm_row(inputs.normal_0, n), csm_row(inputs.normal_1, n), csm_row(inputs.normal_2, n));
 #elif MASK_RAYS
     float3 plane = depth_plane(place, depth);
-    bend = plane.z;
+    bends = plane.z > 0.0;
     return plane_normal(place, depth, plane.xy);
 #else
     return plane_normal(place, depth, depth_steps(place, depth));
@@ -32,9 +32,8 @@ float3 surface_normal(float2 place, float depth)
 // Whether a map cannot be asked: it compares with a plane that may not be the pixel's.
 bool is_unsure(float3 normal)
 {
-    float4 cosines = csm_c[CSM_R_UNSURE];
-    float cosine = csm_cosine(normal);
-    return (bend > 0.01 && cosine < cosines.x) || abs(cosine) < cosines.y;
+    float4 squares = csm_c[CSM_R_UNSURE];
+    return (bends && (normal.z > 0.0 || csm_grazes(normal, squares.x))) || csm_grazes(normal, squares.y);
 }
 #endif
 

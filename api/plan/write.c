@@ -133,7 +133,8 @@ static void put_rays(float *out, const plan_frame *frame, const csm_config *conf
   put(out, CSM_R_HIGH, high[0], high[1], high[2], config->ray_taps);
   put(out, CSM_R_LOW, low[0], low[1], low[2], 0.0);
   put(out, CSM_R_OFFSET, 0.0, 0.0, 0.0, 3e-6);
-  put(out, CSM_R_UNSURE, config->ray_unsure_cosine, config->ray_grazing_cosine, 0.0, 0.0);
+  put(out, CSM_R_UNSURE, config->ray_unsure_cosine * config->ray_unsure_cosine,
+      config->ray_grazing_cosine * config->ray_grazing_cosine, 0.0, 0.0);
 }
 
 static void put_settings(float *out, const plan_frame *frame, const csm_config *config) {

@@ -55,8 +55,8 @@
 #define CSM_R_LOW 66    /* x, y, z; first row of the instances' records, in 1024 rows */
 #define CSM_R_SCALE 67  /* of a position to the grid of the instances' tree; how many nodes it has */
 #define CSM_R_OFFSET 68 /* of it; a share of the view depth: what lies no farther than that from a triangle's plane is on it */
-/* Cosine to the light below which a ray decides where a pixel's plane is unsure, and wherever it is known; 1: maps hold what a
-   draw callback drew, of which rays know nothing */
+/* Squares of the cosines to the light to which a ray decides: where a pixel's plane is unsure, and wherever it is known; 1: maps
+   hold what a draw callback drew, of which rays know nothing */
 #define CSM_R_UNSURE 69
 #define CSM_C_COUNT 70
 

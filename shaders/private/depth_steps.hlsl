@@ -10,7 +10,7 @@ struct neighbours
 // How the depth changes from one pixel to the next along an axis. Across a plane depth is linear on screen, so the side is
 // taken on which three pixels lie on one line. Where both do, their difference is rounding, which must not choose.
 //
-// The better side's bend is told, too, as a share of the step: how unsure the plane is.
+// It is told, too, by how much the better side bends more than a hundredth of the step: above 0 the plane is unsure.
 struct depth_slope
 {
     float step;
@@ -26,7 +26,7 @@ depth_slope depth_slope_of(float depth, neighbours n, float at, float pixel)
     bool back = mad(depth, 4.0 / 8388608.0, bend_back) < bend_on;
     depth_slope slope;
     slope.step = back ? depth - n.back : n.on - depth;
-    slope.bend = max(mad(depth, -4.0 / 8388608.0, back ? bend_back : bend_on), 0.0) / max(abs(slope.step), 1e-30);
+    slope.bend = mad(depth, -4.0 / 8388608.0, mad(abs(slope.step), -0.01, back ? bend_back : bend_on));
     return slope;
 }
 
