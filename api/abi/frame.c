@@ -57,6 +57,11 @@ static uint32_t count_changed(const csm_cascades *cascades, const planned *next)
   return same ? instances_changed_since(&next->scene->store, last->revision) : next->instances;
 }
 
+/* On an own device no depth of an engine's is resolved, so none but the frame's receivers are asked for. */
+static bool only_receivers(const csm_context *context, const csm_frame *frame) {
+  return context_device(context)->own || frame->flags & CSM_FRAME_RECEIVERS;
+}
+
 static csm_result make_plan(csm_cascades *cascades, const frame_input *input, planned *out, plan_scene *scene) {
   csm_context *context = cascades->context;
   csm_result result = frame_input_scene(context, input, &out->list, scene);
@@ -90,7 +95,7 @@ static csm_result make_plan(csm_cascades *cascades, const frame_input *input, pl
                                 .others_cast = frame->draw != NULL,
                                 .origin = frame->origin,
                                 .scene = scene,
-                                .all_receivers = context_device(context)->own, /* no depth of an engine's is resolved */
+                                .all_receivers = only_receivers(context, frame),
                                 .cache = frame->scene ? &cascades->cache : NULL,
                                 .before = &cascades->history,
                                 .samples = cascades->samples,

@@ -45,7 +45,7 @@ csm_result frame_input_read(csm_context *context, const csm_frame *in, bool ligh
   host *host = &context->host;
   csm_frame *frame = &out->frame;
   csm_result result = host_check_struct(host, struct_read(frame, sizeof *frame, in), "csm_frame");
-  if (!result && frame->flags & ~(uint32_t)CSM_FRAME_TIMESTAMPS)
+  if (!result && frame->flags & ~(uint32_t)(CSM_FRAME_TIMESTAMPS | CSM_FRAME_RECEIVERS))
     result = host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_frame: unknown flags %x", frame->flags);
   if (!result && frame->reserved)
     result = host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_frame: reserved is %u, not 0", frame->reserved);

@@ -1,4 +1,4 @@
-/* cull.c: which instances a map or a camera can see. */
+/* cull.c: which casters a map draws. */
 #include "plan/internal.h"
 
 #include <string.h>
@@ -35,14 +35,8 @@ void plan_scene_bounds(plan_scene_box *out, const double basis[9], const plan_sc
 
 /* Whether what casts along the light from a box can shade nothing inside. */
 static bool outside_hull(const plan_hull *hull, const plan_light_block *block, uint32_t at) {
-  bool outside = false;
-  for (uint32_t i = 0; i < hull->count; ++i) {
-    const double *normal = hull->normals[i];
-    const double x = normal[0] > 0.0 ? block->low[0][at] : block->high[0][at];
-    const double y = normal[1] > 0.0 ? block->low[1][at] : block->high[1][at];
-    outside |= normal[0] * x + normal[1] * y > hull->offsets[i];
-  }
-  return outside;
+  return plan_outside_hull(hull, (double[]){block->low[0][at], block->low[1][at]},
+                           (double[]){block->high[0][at], block->high[1][at]});
 }
 
 /* Two slots at a time, which is what every processor's vectors hold. */
@@ -135,29 +129,65 @@ static void cull_block(plan_lists *lists, const plan_light_cull *cull, const pla
   }
 }
 
+/* A block of boxes from a slot on: what is kept, or made. */
+static const plan_light_block *find_block(plan_light_block *made, const plan_light_cull *cull, const plan_kept *kept,
+                                          const plan_scene *scene, uint32_t first) {
+  if (kept->blocks)
+    return &kept->blocks[first / PLAN_BLOCK];
+  plan_light_block_make(made, cull->basis, scene, first);
+  return made;
+}
+
 plan_kept plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const plan_scene *scene) {
   const plan_kept kept = plan_cache_fill(cull->cache, cull->basis, scene);
   const double least = any_far(scene) ? 0.0 : least_width(cull->areas, lists->count);
   lists->among = scene->caster_count;
   for (uint32_t first = 0; first < scene->slot_count; first += PLAN_BLOCK) {
     plan_light_block made;
-    if (!kept.blocks)
-      plan_light_block_make(&made, cull->basis, scene, first);
-    const plan_light_block *block = kept.blocks ? &kept.blocks[first / PLAN_BLOCK] : &made;
+    const plan_light_block *block = find_block(&made, cull, &kept, scene, first);
     cull_block(lists, cull, scene, block, first, block->largest > least * least);
   }
   return kept;
 }
 
+/* Of the lists that hold a caster, those in whose maps it lies over no cell that is read. */
+static uint32_t unread(const plan_cells *cells, const plan_light_block *block, uint32_t at, uint32_t mask) {
+  const double low[2] = {block->low[0][at], block->low[1][at]}, high[2] = {block->high[0][at], block->high[1][at]};
+  uint32_t unread = 0;
+  for (uint32_t rest = mask; rest; rest &= rest - 1) {
+    const uint32_t list = (uint32_t)__builtin_ctz(rest);
+    unread |= (uint32_t)!plan_cells_meet(&cells[list], low, high) << list;
+  }
+  return unread;
+}
+
+void plan_cull_unread(plan_lists *lists, const plan_cells *cells, const plan_light_cull *cull, const plan_kept *kept,
+                      const plan_scene *scene) {
+  plan_light_block made;
+  const plan_light_block *block = NULL;
+  for (uint32_t slot = 0; slot < scene->slot_count; ++slot) {
+    const uint32_t at = slot % PLAN_BLOCK;
+    if (at == 0)
+      block = find_block(&made, cull, kept, scene, slot);
+    if (!lists->masks[slot])
+      continue;
+    const uint32_t out = unread(cells, block, at, lists->masks[slot]);
+    uint32_t *counts = &lists->counts[(size_t)plan_list_key(lists, &scene->instances[slot]) * lists->count];
+    lists->masks[slot] &= (uint8_t)~out;
+    for (uint32_t rest = out; rest; rest &= rest - 1)
+      --counts[__builtin_ctz(rest)];
+  }
+}
+
 bool plan_casters_span(plan_span *out, const plan_light_cull *cull, const plan_scene *scene) {
   const plan_kept kept = plan_cache_fill(cull->cache, cull->basis, scene);
   *out = (plan_span){.low = {INFINITY, INFINITY, INFINITY}, .high = {-INFINITY, -INFINITY, -INFINITY}};
+  plan_light_block made;
+  const plan_light_block *block = NULL;
   for (uint32_t slot = 0; slot < scene->slot_count; ++slot) {
     const uint32_t at = slot % PLAN_BLOCK;
-    plan_light_block made;
-    if (!kept.blocks && at == 0)
-      plan_light_block_make(&made, cull->basis, scene, slot);
-    const plan_light_block *block = kept.blocks ? &kept.blocks[slot / PLAN_BLOCK] : &made;
+    if (at == 0)
+      block = find_block(&made, cull, &kept, scene, slot);
     const plan_instance *instance = &scene->instances[slot];
     if (!plan_casts(instance) || other_layers(instance, cull->layers) || outside_hull(cull->hull, block, at))
       continue;
@@ -167,82 +197,4 @@ bool plan_casters_span(plan_span *out, const plan_light_cull *cull, const plan_s
     }
   }
   return out->low[0] <= out->high[0];
-}
-
-/* ---- a camera ---- */
-
-enum { CLIP_PLANES = 6, MOST_PLANES = CLIP_PLANES + 1 };
-
-/* Half-spaces, for world positions relative to the camera's. */
-typedef struct view_planes {
-  double normals[MOST_PLANES][3], offsets[MOST_PLANES];
-  int count;
-} view_planes;
-
-/* The six of clip space, -w <= x, y <= w and 0 <= z <= w. */
-static void clip_planes(view_planes *out, const plan_camera *camera) {
-  double rows[4][4];
-  for (int row = 0; row < 4; ++row) {
-    const double *p = &camera->projection[row];
-    for (int axis = 0; axis < 3; ++axis)
-      rows[row][axis] = plan_dot((double[]){p[0], p[4], p[8]}, &camera->view[axis * 4]);
-    rows[row][3] = p[12];
-  }
-  for (int plane = 0; plane < CLIP_PLANES; ++plane) {
-    const double sign = plane & 1 ? -1.0 : 1.0, w = plane == 4 ? 0.0 : 1.0;
-    for (int k = 0; k < 3; ++k)
-      out->normals[plane][k] = w * rows[3][k] + sign * rows[plane / 2][k];
-    out->offsets[plane] = w * rows[3][3] + sign * rows[plane / 2][3];
-  }
-  out->count = CLIP_PLANES;
-}
-
-static bool outside_planes(const view_planes *planes, const plan_camera *camera, const plan_scene *scene,
-                           const plan_instance *instance) {
-  const double rounding = 1.0 + 1e-12;
-  plan_placed box;
-  plan_place(&box, instance, &scene->meshes[instance->mesh]);
-  for (int i = 0; i < 3; ++i)
-    box.center[i] -= camera->position[i];
-  bool outside = false;
-  for (int i = 0; i < planes->count && !outside; ++i) {
-    const double *normal = planes->normals[i];
-    outside = plan_dot(box.center, normal) + planes->offsets[i] < -rounding * plan_reach(&box, normal);
-  }
-  return outside;
-}
-
-void plan_cull_view(plan_lists *lists, const plan_camera *camera, const plan_scene *scene) {
-  view_planes planes;
-  clip_planes(&planes, camera);
-  lists->among = scene->receiver_count;
-  for (uint32_t slot = 0; slot < scene->slot_count; ++slot) {
-    const plan_instance *instance = &scene->instances[slot];
-    if (!plan_receives(instance))
-      continue;
-    const bool outside = outside_planes(&planes, camera, scene, instance);
-    lists->masks[slot] = !outside;
-    lists->counts[plan_list_key(lists, instance)] += !outside;
-  }
-}
-
-bool plan_sees_receivers(const plan_camera *camera, const plan_scene *scene, double end) {
-  const double float_rounding = 1.0 + 1e-6;
-  view_planes planes;
-  clip_planes(&planes, camera);
-  for (int axis = 0; axis < 3; ++axis)
-    planes.normals[planes.count][axis] = -camera->forward[axis];
-  planes.offsets[planes.count++] = end * float_rounding;
-  bool seen = false;
-  for (uint32_t slot = 0; slot < scene->slot_count && !seen && scene->receiver_count; ++slot)
-    seen = plan_receives(&scene->instances[slot]) && !outside_planes(&planes, camera, scene, &scene->instances[slot]);
-  return seen;
-}
-
-void plan_view_make(plan_list *out, const plan_camera *camera, const plan_scene *scene, void *memory) {
-  *out = (plan_list){0};
-  plan_lists lists = {.lists = {out}, .count = 1};
-  plan_lists_begin(&lists, scene, memory);
-  plan_cull_view(&lists, camera, scene);
-  plan_lists_end(&lists, scene);
 }

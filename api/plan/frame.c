@@ -48,9 +48,9 @@ static bool find_casters(plan_span *casters, const plan_fit_frame *frame, const 
   if (!frame->camera->orthographic || info->others_cast || frame->config->out_of_range == CSM_OUT_OF_RANGE_DARK)
     return false;
   plan_hull hull = {0};
+  const double depths[2] = {frame->camera->near_depth, fmin(frame->config->shadow_distance, frame->camera->far_depth)};
   if (frame->config->caster_set == CSM_CASTER_SET_VIEW)
-    plan_view_hull(&hull, frame->camera, frame->basis, fmin(frame->config->shadow_distance, frame->camera->far_depth),
-                   filter_room(frame));
+    plan_view_hull(&hull, frame->camera, frame->basis, depths, filter_room(frame));
   const plan_light_cull to = {.basis = frame->basis, .hull = &hull, .layers = info->light_layers, .cache = info->cache};
   if (!plan_casters_span(casters, &to, info->scene))
     return false;
@@ -111,26 +111,33 @@ static bool shades_nothing(const plan_frame *frame, const plan_frame_info *info)
          !plan_sees_receivers(&frame->camera, info->scene, end);
 }
 
-/* What each cascade draws, and where its casters begin. */
-static void cull(plan_frame *frame, fitted *fitted, const plan_frame_info *info, plan_lists *lists) {
+/* Where each map lies along the light, which is where its casters begin, and what is drawn into it. */
+static void cull_and_place(plan_frame *frame, fitted *fitted, const plan_frame_info *info, plan_lists *lists) {
   const csm_config *config = info->config;
   plan_scene_box box = {0};
   if (config->depth_mode == CSM_DEPTH_SCENE || config->depth_mode == CSM_DEPTH_SCENE_CLIPPED)
     plan_scene_bounds(&box, frame->basis, info->scene);
   plan_hull hull = {0};
+  const double depths[2] = {frame->camera.near_depth, frame->cascades[frame->cascade_count - 1].info.far_depth};
   if (config->caster_set == CSM_CASTER_SET_VIEW)
-    plan_view_hull(&hull, &frame->camera, frame->basis, frame->cascades[frame->cascade_count - 1].info.far_depth,
-                   view_room(fitted->fits, config));
+    plan_view_hull(&hull, &frame->camera, frame->basis, depths, view_room(fitted->fits, config));
   for (uint32_t i = 0; i < frame->cascade_count; ++i) {
     fitted->areas[i] = plan_fit_area(&fitted->fits[i], config, &box);
     plan_rounding_origin(&fitted->areas[i].rounding, frame->basis, frame->origin);
     fitted->areas[i].first_caster = INFINITY;
   }
-  if (shades_nothing(frame, info))
-    return;
   const plan_light_cull to = {
       .basis = frame->basis, .hull = &hull, .layers = info->light_layers, .areas = fitted->areas, .cache = info->cache};
-  frame->to_light = (const double(*)[12])plan_cull_light(lists, &to, info->scene).transforms;
+  const bool shades = !shades_nothing(frame, info);
+  const plan_kept kept = shades ? plan_cull_light(lists, &to, info->scene) : (plan_kept){0};
+  for (uint32_t i = 0; i < frame->cascade_count; ++i)
+    plan_fit_place(&frame->cascades[i], &fitted->fits[i], &fitted->areas[i], frame->basis, config);
+  if (shades && config->caster_set == CSM_CASTER_SET_VIEW && info->all_receivers) {
+    plan_cells cells[CSM_MAX_CASCADES];
+    plan_read_cells(cells, frame, fitted->areas, info);
+    plan_cull_unread(lists, cells, &to, &kept, info->scene);
+  }
+  frame->to_light = (const double(*)[12])kept.transforms;
 }
 
 csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *memory, const char **error) {
@@ -145,13 +152,10 @@ csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *m
   plan_lists_begin(&lists, info->scene, memory);
   frame.drawn = lists.masks;
   if (!frame.unshadowed)
-    cull(&frame, &fitted, info, &lists);
+    cull_and_place(&frame, &fitted, info, &lists);
+  for (uint32_t i = 0; i < frame.cascade_count && frame.unshadowed; ++i)
+    plan_fit_nothing(&frame.cascades[i], i, frame.basis, info->config);
   plan_lists_end(&lists, info->scene);
-  for (uint32_t i = 0; i < frame.cascade_count; ++i)
-    if (frame.unshadowed)
-      plan_fit_nothing(&frame.cascades[i], i, frame.basis, info->config);
-    else
-      plan_fit_place(&frame.cascades[i], &fitted.fits[i], &fitted.areas[i], frame.basis, info->config);
   *out = frame;
   return CSM_SUCCESS;
 }

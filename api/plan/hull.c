@@ -50,8 +50,18 @@ static double farthest(const double normal[2], const double (*points)[3], int co
   return most;
 }
 
-void plan_view_hull(plan_hull *out, const plan_camera *camera, const double basis[9], double end, double room) {
-  const double depths[2] = {camera->near_depth, end};
+bool plan_outside_hull(const plan_hull *hull, const double low[2], const double high[2]) {
+  bool outside = false;
+  for (uint32_t i = 0; i < hull->count; ++i) {
+    const double *normal = hull->normals[i];
+    const double x = normal[0] > 0.0 ? low[0] : high[0], y = normal[1] > 0.0 ? low[1] : high[1];
+    outside |= normal[0] * x + normal[1] * y > hull->offsets[i];
+  }
+  return outside;
+}
+
+void plan_view_hull(plan_hull *out, const plan_camera *camera, const double basis[9], const double depths[2],
+                    double room) {
   double corners[8][3], points[8][3], inverse[9], image[2];
   int hull[PLAN_HULL_MOST + 1];
   *out = (plan_hull){0};

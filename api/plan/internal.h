@@ -268,8 +268,11 @@ typedef struct plan_hull {
   double normals[PLAN_HULL_MOST][2], offsets[PLAN_HULL_MOST]; /* inside: dot(normal, xy) <= offset */
   uint32_t count;                                             /* 0: nothing is left out */
 } plan_hull;
-/* The hull up to a view depth, with a square of so many metres around each of its points. */
-void plan_view_hull(plan_hull *out, const plan_camera *camera, const double basis[9], double end, double room);
+/* The hull between two view depths, with a square of so many metres around each of its points. */
+void plan_view_hull(plan_hull *out, const plan_camera *camera, const double basis[9], const double depths[2],
+                    double room);
+/* Whether a box across the light lies outside. */
+bool plan_outside_hull(const plan_hull *hull, const double low[2], const double high[2]);
 void plan_scene_bounds(plan_scene_box *out, const double basis[9], const plan_scene *scene);
 
 /* Boxes of casters in light space, a block of slots after the other; one that is not a caster's meets no area. */
@@ -309,6 +312,16 @@ void plan_lists_begin(plan_lists *lists, const plan_scene *scene, void *memory);
 /* Fills every list from masks and counts. */
 void plan_lists_end(plan_lists *lists, const plan_scene *scene);
 
+enum { PLAN_CELLS = 32 }; /* of a map, across and up */
+
+/* Which cells of a map are read. */
+typedef struct plan_cells {
+  double begin[2], size[2];  /* where the first begins along right and up in light space, and of each: metres */
+  uint32_t read[PLAN_CELLS]; /* a row's cells, a bit each */
+} plan_cells;
+/* Whether a box across the light lies over a cell that is read. */
+bool plan_cells_meet(const plan_cells *cells, const double low[2], const double high[2]);
+
 /* What casters are tested against. */
 typedef struct plan_light_cull {
   const double *basis;
@@ -321,10 +334,15 @@ typedef struct plan_light_cull {
 bool plan_casters_span(plan_span *out, const plan_light_cull *cull, const plan_scene *scene);
 /* Notes in list i what casts into area i, and how far towards the light those casters reach. Returns what is kept. */
 plan_kept plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const plan_scene *scene);
-/* Notes in the one list what may be in the camera's clip volume. */
-void plan_cull_view(plan_lists *lists, const plan_camera *camera, const plan_scene *scene);
+/* Takes from each list what lies over no cell of its map that is read; `kept` is what plan_cull_light returned. */
+void plan_cull_unread(plan_lists *lists, const plan_cells *cells, const plan_light_cull *cull, const plan_kept *kept,
+                      const plan_scene *scene);
+
+/* ---- receivers ---- */
 /* Whether a camera sees any receiver, up to a view depth. */
 bool plan_sees_receivers(const plan_camera *camera, const plan_scene *scene, double end);
+/* Which cells of each cascade's map are read for the receivers that the frame's camera sees. The maps are placed. */
+void plan_read_cells(plan_cells *cells, const plan_frame *frame, const plan_area *areas, const plan_frame_info *info);
 
 /* ---- packing ---- */
 /* The transform of positions as they are stored. */

@@ -22,24 +22,15 @@ static void texels_to_light(double *low, double *high, const plan_cascade *casca
   *high = fmax(at[0], at[1]);
 }
 
-static bool outside(const plan_hull *hull, const double low[2], const double high[2]) {
-  bool outside = false;
-  for (uint32_t i = 0; i < hull->count; ++i) {
-    const double *normal = hull->normals[i];
-    const double x = normal[0] > 0.0 ? low[0] : high[0], y = normal[1] > 0.0 ? low[1] : high[1];
-    outside |= normal[0] * x + normal[1] * y > hull->offsets[i];
-  }
-  return outside;
-}
-
 void plan_seen_tiles(uint8_t *tiles, const plan_frame *frame, const csm_config *config, uint32_t cascade,
                      uint32_t side) {
   const plan_cascade *of = &frame->cascades[cascade];
   const uint32_t across = plan_tiles_across(side);
   const double room = fmax(of->texel[0], of->texel[1]) * plan_view_room_texels(config, cascade);
   plan_hull hull = {0};
+  const double depths[2] = {frame->camera.near_depth, frame->cascades[frame->cascade_count - 1].info.far_depth};
   if (config->caster_set == CSM_CASTER_SET_VIEW)
-    plan_view_hull(&hull, &frame->camera, frame->basis, frame->cascades[frame->cascade_count - 1].info.far_depth, room);
+    plan_view_hull(&hull, &frame->camera, frame->basis, depths, room);
   for (uint32_t y = 0; y < across; ++y)
     for (uint32_t x = 0; x < across; ++x) {
       const double columns[2] = {x * (double)PLAN_TILE, (x + 1) * (double)PLAN_TILE};
@@ -47,7 +38,7 @@ void plan_seen_tiles(uint8_t *tiles, const plan_frame *frame, const csm_config *
       double low[2], high[2];
       texels_to_light(&low[0], &high[0], of, 0, columns, side);
       texels_to_light(&low[1], &high[1], of, 1, rows, side);
-      tiles[y * across + x] = !outside(&hull, low, high);
+      tiles[y * across + x] = !plan_outside_hull(&hull, low, high);
     }
 }
 

@@ -24,7 +24,7 @@
 #define SWITCH_ROUNDS 7u
 #define ENGINE_ROUNDS 201u
 #define QUICK_ROUNDS 31u
-#define BENCH_TABLES 5
+#define BENCH_TABLES 6
 #define MAX_CONTENDERS (HOST_BACKENDS + 1)
 
 /* Filters that look at the size of the light have something to look at. */
@@ -223,6 +223,9 @@ static int time_tables(bench *b) {
   bench_table_maps(&table, &b->setup.config);
   if (code == 0)
     code = time_table(b, &table, (bench_floor){b->floor ? draw_floor : NULL, b->floor});
+  bench_table_casters(&table, &b->setup.config, b->setup.scene.name);
+  if (code == 0)
+    code = time_table(b, &table, (bench_floor){0});
   if (code == 0 && b->floor && (wanted(b, "moments") || wanted(b, "drawn")))
     code = time_drawn(b);
   bench_table_moments(&table, &b->setup.config);

@@ -67,6 +67,8 @@ static double timed_ms(bench_timed timed, bool is_base, const stage_stats *stats
   switch (timed) {
   case BENCH_MASK:
     return stage_mask_ms(stats) + stage_history_ms(stats);
+  case BENCH_PLANNED:
+    return stage_maps_ms(stats) + stats->maps.plan_ms;
   case BENCH_FRAME:
     return stage_shadows_ms(stats);
   case BENCH_MOMENTS:
@@ -180,7 +182,7 @@ void bench_rows_print(FILE *to, const bench_rows *rows) {
     if (rows->has_floor && r->most_floors > 0.0)
       fprintf(to, "  at most %.1f: %s", r->most_floors, r->to_floor.median <= r->most_floors ? "yes" : "NO");
     if (r->most_bases > 0.0)
-      fprintf(to, "  at most %.1f: %s", r->most_bases, r->to_base.median <= r->most_bases ? "yes" : "NO");
+      fprintf(to, "  at most %.2f: %s", r->most_bases, r->to_base.median <= r->most_bases ? "yes" : "NO");
     fprintf(to, "\n");
   }
 }

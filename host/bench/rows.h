@@ -17,6 +17,7 @@ typedef struct bench_row {
 typedef enum bench_timed {
   BENCH_MASK,    /* the mask's passes alone, with its rays and its history if it has them */
   BENCH_MAPS,    /* the maps' passes */
+  BENCH_PLANNED, /* the same, and planning them */
   BENCH_FRAME,   /* the maps, what is made of them, and the mask */
   BENCH_MOMENTS, /* what makes moments, but of the base, whose maps' passes are; the light turns with each frame */
 } bench_timed;
@@ -38,6 +39,8 @@ void bench_table_filters(bench_table *out, const csm_config *config);
 void bench_table_modes(bench_table *out, const csm_config *config);
 /* Every way to lay out, fit and draw maps, against the configuration without. */
 void bench_table_maps(bench_table *out, const csm_config *config);
+/* The maps of what casts on what is seen, against those of all that casts; what they may take is known for some scenes. */
+void bench_table_casters(bench_table *out, const csm_config *config, const char *scene);
 /* Making and blurring moments, against the maps' passes of the configuration. */
 void bench_table_moments(bench_table *out, const csm_config *config);
 /* What preset `exact` says, over a configuration. */

@@ -41,7 +41,8 @@ static int plan_once(bench_plan *plan, const host_setup *setup) {
                                 .projection = setup->camera.projection,
                                 .reversed = setup->camera.reversed ? CSM_REVERSED_YES : CSM_REVERSED_NO,
                                 .light = setup->light.direction,
-                                .scene = &plan->scene};
+                                .scene = &plan->scene,
+                                .all_receivers = true};
   const csm_result result = plan_frame_make(&plan->frame, &info, plan->memory, &error);
   if (result != CSM_SUCCESS)
     return host_fail(HOST_BAD_INPUT, "cannot plan the frame: %s", error ? error : csm_result_name(result));

@@ -159,6 +159,16 @@ void bench_table_maps(bench_table *out, const csm_config *config) {
   add_fits(out);
 }
 
+void bench_table_casters(bench_table *out, const csm_config *config, const char *scene) {
+  *out = (bench_table){.name = "casters",
+                       .about = "planning and drawing all cascades, to those of all that casts into the maps",
+                       .timed = BENCH_PLANNED,
+                       .base = {.name = "map", .config = *config}};
+  out->base.config.caster_set = CSM_CASTER_SET_MAP;
+  add(out, "view")->caster_set = CSM_CASTER_SET_VIEW;
+  out->rows[0].most_bases = strcmp(scene, "valley") == 0 ? 0.6 : strcmp(scene, "town") == 0 ? 0.55 : 0.0;
+}
+
 void bench_moments_config(csm_config *config, uint32_t filter, uint32_t radius) {
   config->cascade_count = 4;
   config->resolution = 1024;

@@ -59,10 +59,11 @@ static const char help[] =
     "  --quick                     bench, report, measure --presets: 5 pairs instead of 31; report: 1, 2 and 4 maps of "
     "512 to 2048\n"
     "  --only PART                 bench: depth (the maps' frame, planning, switching), floors, filters, modes, maps, "
-    "moments, drawn\n"
-    "                              (moments written while casters are drawn; moments has it, too), bare (the 7 x 7 "
-    "filter\n"
-    "                              against 49 comparisons), or rays (exact shadows: trees, rays, masks, instances that "
+    "casters (what\n"
+    "                              caster_set view leaves out), moments, drawn (moments written while casters are "
+    "drawn;\n"
+    "                              moments has it, too), bare (the 7 x 7 filter against 49 comparisons), or rays "
+    "(exact shadows: trees, rays, masks, instances that "
     "move);\n"
     "                              all of them if none is named\n"
     "  --cascades LIST             report: numbers of maps; 1,2,3,4,5,6,7,8\n"
@@ -205,14 +206,15 @@ static int parse_sun_samples(host_options *out, const char *value) {
 }
 
 static int parse_only(host_options *out, const char *value) {
-  static const char *const parts[] = {"depth",   "floors", "filters", "modes", "maps",
-                                      "moments", "drawn",  "bare",    "rays"};
+  static const char *const parts[] = {"depth",   "floors",  "filters", "modes", "maps",
+                                      "casters", "moments", "drawn",   "bare",  "rays"};
   out->only = value;
   for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
     if (strcmp(value, parts[i]) == 0)
       return 0;
   return host_fail(HOST_BAD_INPUT,
-                   "--only: not depth, floors, filters, modes, maps, moments, drawn, bare or rays: '%s'", value);
+                   "--only: not depth, floors, filters, modes, maps, casters, moments, drawn, bare or rays: '%s'",
+                   value);
 }
 
 static int parse_scene(host_options *out, const char *value) {

@@ -406,6 +406,34 @@ static void contexts_on_two_threads(void **state) {
   free_all(expected);
 }
 
+/* What shades no receiver in sight is left out where an engine says that it asks for no other, and the mask is the same. */
+static void receivers_alone_need_fewer_casters(void **state) {
+  (void)state;
+  stage stage;
+  picture drawn[2];
+  uint32_t casters[2] = {0};
+  rig *rig = rig_open(RIG_TYPICAL);
+  stage_open(&stage, rig);
+  stage.config.caster_set = CSM_CASTER_SET_VIEW;
+  stage_configure(&stage);
+  for (int i = 0; i < 2; ++i) {
+    csm_stats stats = {.struct_size = sizeof stats};
+    rig_begin(rig);
+    shot shot = stage_shot(&stage, 0);
+    shot.frame.flags = i ? CSM_FRAME_RECEIVERS : 0;
+    drawn[i] = stage_draw(&stage, &shot, (picture_size){192, 128});
+    assert_int_equal(csm_get_stats(stage.cascades, &stats), CSM_SUCCESS);
+    for (uint32_t c = 0; c < stats.cascade_count; ++c)
+      casters[i] += stats.cascades[c].casters_drawn;
+  }
+  assert_true(casters[1] > 0 && casters[1] < casters[0]);
+  assert_true(picture_mask_difference(&drawn[0], &drawn[1], 0.0) == 0.0);
+  picture_free(&drawn[0]);
+  picture_free(&drawn[1]);
+  stage_close(&stage);
+  rig_close(rig);
+}
+
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(frames_wait_on_a_typical_device),
@@ -420,6 +448,7 @@ int main(int argc, char **argv) {
       cmocka_unit_test(timestamps_are_those_of_retired_frames),
       cmocka_unit_test(a_frame_that_never_ran_has_no_times),
       cmocka_unit_test(contexts_on_two_threads),
+      cmocka_unit_test(receivers_alone_need_fewer_casters),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
 }

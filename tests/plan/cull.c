@@ -151,118 +151,6 @@ static void keeps_casters_before_the_near_plane(void **state) {
   scene_free(&scene);
 }
 
-/* ---- what a view's filters read ---- */
-
-/* How far, to the sides of a map, the centres of texels lie that a filter reads: less than a circle's radius and a square's
-   half side together. */
-typedef struct reading {
-  double circle, square;
-} reading;
-
-/* A filter on moments reads between two texels, each of which is blurred: of a level, texels that are so many of the map's
-   wide, and as many of those as there are samples. A search for blockers gathers four texels at each point of its disc. */
-static reading reading_of(const csm_config *config) {
-  const double wide = config->moment_halved ? 2.0 : 1.0, coarse = wide * ldexp(1.0, (int)config->moment_levels - 1);
-  const double samples = config->moment_sampling == CSM_SAMPLING_ANISOTROPIC ? config->moment_anisotropy : 1.0;
-  switch (config->filter) {
-  case CSM_FILTER_PCF_N:
-    return (reading){.square = (config->filter_taps + 1) / 2.0};
-  case CSM_FILTER_PCSS:
-  case CSM_FILTER_BACKPROJECTION:
-    return (reading){.circle = config->soft_radius_max_texels, .square = 1.0};
-  case CSM_FILTER_VSSM:
-    return (reading){.square = 1.5 * coarse - 0.5 + config->moment_blur_texels * wide};
-  default:
-    return (reading){.square = 1.5 * coarse - 0.5 + config->moment_blur_texels * wide,
-                     .circle = coarse * (samples - 1.0) / 2.0};
-  }
-}
-
-static csm_config reading_config(random_state *random) {
-  static const uint32_t filters[] = {CSM_FILTER_PCF_N, CSM_FILTER_PCSS, CSM_FILTER_BACKPROJECTION,
-                                     CSM_FILTER_VSSM,  CSM_FILTER_VSM,  CSM_FILTER_EVSM4};
-  csm_config config = default_config();
-  config.caster_set = CSM_CASTER_SET_VIEW;
-  config.cascade_count = 1 + random_below(random, 3);
-  config.resolution = 2048;
-  config.filter = filters[random_below(random, sizeof filters / sizeof *filters)];
-  config.filter_taps = 31;
-  config.soft_radius_max_texels = random_below(random, 2) ? 32.0 : 2.0;
-  config.moment_blur_texels = random_below(random, 33);
-  config.moment_levels = 2 + random_below(random, 4);
-  config.moment_halved = random_below(random, 2);
-  config.moment_sampling = CSM_SAMPLING_TRILINEAR + random_below(random, 2);
-  config.moment_anisotropy = 8;
-  return config;
-}
-
-/* Where a point lies in a cascade's map, in texels, rows down. */
-static void texel_of(const plan_cascade *cascade, const double point[3], double at[3]) {
-  transform_point(cascade->info.world_to_shadow, point, at);
-  at[0] *= cascade->resolution;
-  at[1] *= cascade->resolution;
-}
-
-/* A caster over what a filter reads of the map at a point that is seen, anywhere up the light; false where that does not lie
-   in the map. No footprint leaves a map: half of what there is to its border is the samples', and a level's what is left. */
-static bool place_reader(random_state *random, test_scene *scene, const plan_frame *frame, uint32_t c,
-                         const double point[3], const reading *reads) {
-  const plan_cascade *cascade = &frame->cascades[c];
-  const double angle = random_between(random, 0.0, 2.0 * M_PI), up = random_scale(random, 0.1, 1000.0);
-  double at[3], room = cascade->resolution;
-  texel_of(cascade, point, at);
-  for (int axis = 0; axis < 2; ++axis)
-    room = fmin(room, fmin(at[axis], cascade->resolution - at[axis]));
-  if (room < 2.0 * (reads->circle + reads->square))
-    return false;
-  const double corner[2] = {random_below(random, 2) ? 1.0 : -1.0, random_below(random, 2) ? 1.0 : -1.0};
-  const double right = cascade->texel[0] * (reads->circle * cos(angle) + reads->square * corner[0]) * 0.999;
-  const double above = cascade->texel[1] * (reads->circle * sin(angle) + reads->square * corner[1]) * 0.999;
-  for (int i = 0; i < 3; ++i) {
-    const double *basis = frame->basis;
-    scene->meshes[0].extent[i] = 0.01 * cascade->texel[0];
-    scene->instances[0].transform[i * 5] = 1.0;
-    scene->instances[0].transform[i * 4 + 3] = point[i] + right * basis[i] + above * basis[3 + i] - up * basis[6 + i];
-  }
-  scene_place(scene);
-  return true;
-}
-
-/* What lies outside of the view, but over a texel that the filter reads at a point inside, is drawn. */
-static void keeps_what_filters_read_beside_the_view(void **state) {
-  (void)state;
-  random_state random = {7};
-  test_scene scene = scene_make(1, 1);
-  uint32_t kept = 0;
-  for (int i = 0; i < 20000; ++i) {
-    const csm_config config = reading_config(&random);
-    const reading reads = reading_of(&config);
-    test_camera camera = random_camera(&random, 10.0);
-    camera.orthographic = false;
-    camera.half_height = random_scale(&random, 0.02, 1.0);
-    camera.half_width = random_scale(&random, 0.02, 1.0);
-    camera.near = fabs(camera.near);
-    double light[3], point[3], view[16], projection[16];
-    random_unit(&random, light);
-    plan_frame frame = plan_empty(&config, &camera, light);
-    const uint32_t c = random_below(&random, config.cascade_count);
-    slice_point(&random, &camera, &frame.cascades[c].info, point);
-    if (frame.unshadowed || !place_reader(&random, &scene, &frame, c, point, &reads))
-      continue;
-    const char *error = "";
-    camera_matrices(&camera, view, projection);
-    assert_int_equal(plan_made(&frame, &config, &(test_shot){view, projection, camera_reversed(&camera), light},
-                               &scene.scene, scene.memory, &error),
-                     CSM_SUCCESS);
-    if (!frame.cascades[c].list.instance_count)
-      fail_msg("frame %d: a caster that filter %u reads in cascade %u, %g and %g texels away, is not drawn", i,
-               config.filter, c, reads.circle, reads.square);
-    ++kept;
-  }
-  assert_true(kept > 2000);
-  scene_free(&scene);
-}
-
 static bool in_clip_volume(const double clip[4]) {
   return fabs(clip[0]) <= clip[3] && fabs(clip[1]) <= clip[3] && clip[2] >= 0.0 && clip[2] <= clip[3];
 }
@@ -418,10 +306,13 @@ static void needs_no_more_memory_than_it_says(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(keeps_all_that_casts_into_a_map),     cmocka_unit_test(culls_what_is_outside),
-      cmocka_unit_test(keeps_casters_before_the_near_plane), cmocka_unit_test(keeps_what_filters_read_beside_the_view),
-      cmocka_unit_test(a_camera_draws_what_it_sees),         cmocka_unit_test(a_camera_culls_what_it_does_not_see),
-      cmocka_unit_test(an_empty_scene_draws_nothing),        cmocka_unit_test(takes_points_and_crowds),
+      cmocka_unit_test(keeps_all_that_casts_into_a_map),
+      cmocka_unit_test(culls_what_is_outside),
+      cmocka_unit_test(keeps_casters_before_the_near_plane),
+      cmocka_unit_test(a_camera_draws_what_it_sees),
+      cmocka_unit_test(a_camera_culls_what_it_does_not_see),
+      cmocka_unit_test(an_empty_scene_draws_nothing),
+      cmocka_unit_test(takes_points_and_crowds),
       cmocka_unit_test(needs_no_more_memory_than_it_says),
   };
   return cmocka_run_group_tests_name("plan-cull", tests, NULL, NULL);

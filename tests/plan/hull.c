@@ -34,7 +34,7 @@ static void hull_of(plan_hull *out, double basis[9], test_camera *camera, const 
   if (plan_camera_make(&made, view, projection, camera_reversed(camera), &error) ||
       plan_light_basis(basis, light, &error))
     fail_msg("%s", error);
-  plan_view_hull(out, &made, basis, end, 0.0);
+  plan_view_hull(out, &made, basis, (double[]){made.near_depth, end}, 0.0);
   camera->near = made.near_depth;
   assert_no_exceptions();
 }

@@ -441,7 +441,10 @@ typedef struct csm_draw_info {
 typedef void(CSM_CALL *csm_draw_function)(void *user, const csm_draw_info *info);
 
 enum {
-  CSM_FRAME_TIMESTAMPS = 1u << 0 /* measure the passes on the GPU; each pass then waits for the one before it */
+  CSM_FRAME_TIMESTAMPS = 1u << 0, /* measure the passes on the GPU; each pass then waits for the one before it */
+  /* Visibility is asked for on this frame's receivers alone, as it always is on own devices. With caster_set VIEW what
+     shades none of them that the camera sees is left out of the maps. */
+  CSM_FRAME_RECEIVERS = 1u << 1
 };
 
 typedef struct csm_frame {

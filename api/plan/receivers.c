@@ -1,0 +1,297 @@
+/* receivers.c: which receivers a camera sees, and which cells of the cascades' maps are read for them. */
+#include "plan/internal.h"
+
+#include <string.h>
+
+/* ---- what a camera sees ---- */
+
+enum { CLIP_PLANES = 6, MOST_PLANES = CLIP_PLANES + 1 };
+
+/* Half-spaces, for world positions relative to the camera's. */
+typedef struct view_planes {
+  double normals[MOST_PLANES][3], offsets[MOST_PLANES];
+  int count;
+} view_planes;
+
+/* The six of clip space, -w <= x, y <= w and 0 <= z <= w. */
+static void clip_planes(view_planes *out, const plan_camera *camera) {
+  double rows[4][4];
+  for (int row = 0; row < 4; ++row) {
+    const double *p = &camera->projection[row];
+    for (int axis = 0; axis < 3; ++axis)
+      rows[row][axis] = plan_dot((double[]){p[0], p[4], p[8]}, &camera->view[axis * 4]);
+    rows[row][3] = p[12];
+  }
+  for (int plane = 0; plane < CLIP_PLANES; ++plane) {
+    const double sign = plane & 1 ? -1.0 : 1.0, w = plane == 4 ? 0.0 : 1.0;
+    for (int k = 0; k < 3; ++k)
+      out->normals[plane][k] = w * rows[3][k] + sign * rows[plane / 2][k];
+    out->offsets[plane] = w * rows[3][3] + sign * rows[plane / 2][3];
+  }
+  out->count = CLIP_PLANES;
+}
+
+/* Those of clip space, and of the view depth at which shadows end. */
+static void shadow_planes(view_planes *out, const plan_camera *camera, double end) {
+  const double float_rounding = 1.0 + 1e-6;
+  clip_planes(out, camera);
+  for (int axis = 0; axis < 3; ++axis)
+    out->normals[out->count][axis] = -camera->forward[axis];
+  out->offsets[out->count++] = end * float_rounding;
+}
+
+/* Relative to the camera's position. */
+static void place_before(plan_placed *out, const plan_camera *camera, const plan_scene *scene,
+                         const plan_instance *instance) {
+  plan_place(out, instance, &scene->meshes[instance->mesh]);
+  for (int i = 0; i < 3; ++i)
+    out->center[i] -= camera->position[i];
+}
+
+static bool outside_planes(const view_planes *planes, const plan_placed *box) {
+  const double rounding = 1.0 + 1e-12;
+  bool outside = false;
+  for (int i = 0; i < planes->count && !outside; ++i) {
+    const double *normal = planes->normals[i];
+    outside = plan_dot(box->center, normal) + planes->offsets[i] < -rounding * plan_reach(box, normal);
+  }
+  return outside;
+}
+
+void plan_view_make(plan_list *out, const plan_camera *camera, const plan_scene *scene, void *memory) {
+  *out = (plan_list){0};
+  plan_lists lists = {.lists = {out}, .count = 1, .among = scene->receiver_count};
+  view_planes planes;
+  clip_planes(&planes, camera);
+  plan_lists_begin(&lists, scene, memory);
+  for (uint32_t slot = 0; slot < scene->slot_count; ++slot) {
+    const plan_instance *instance = &scene->instances[slot];
+    plan_placed box;
+    if (!plan_receives(instance))
+      continue;
+    place_before(&box, camera, scene, instance);
+    const bool outside = outside_planes(&planes, &box);
+    lists.masks[slot] = !outside;
+    lists.counts[plan_list_key(&lists, instance)] += !outside;
+  }
+  plan_lists_end(&lists, scene);
+}
+
+bool plan_sees_receivers(const plan_camera *camera, const plan_scene *scene, double end) {
+  view_planes planes;
+  shadow_planes(&planes, camera, end);
+  bool seen = false;
+  for (uint32_t slot = 0; slot < scene->slot_count && !seen && scene->receiver_count; ++slot) {
+    plan_placed box;
+    if (!plan_receives(&scene->instances[slot]))
+      continue;
+    place_before(&box, camera, scene, &scene->instances[slot]);
+    seen = !outside_planes(&planes, &box);
+  }
+  return seen;
+}
+
+/* ---- cells of maps ---- */
+
+/* Cells that a box meets: rows from the first to the last, and in each of them these columns. */
+typedef struct cell_rect {
+  uint32_t first, last, columns;
+} cell_rect;
+
+static bool find_cells(cell_rect *out, const plan_cells *cells, const double low[2], const double high[2]) {
+  double first[2], last[2];
+  for (int axis = 0; axis < 2; ++axis) {
+    first[axis] = floor((low[axis] - cells->begin[axis]) / cells->size[axis]);
+    last[axis] = floor((high[axis] - cells->begin[axis]) / cells->size[axis]);
+    if (!(first[axis] < PLAN_CELLS) || !(last[axis] >= 0.0))
+      return false;
+    first[axis] = fmax(first[axis], 0.0);
+    last[axis] = fmin(last[axis], PLAN_CELLS - 1.0);
+  }
+  const uint32_t from = (uint32_t)first[0], to = (uint32_t)last[0];
+  out->first = (uint32_t)first[1];
+  out->last = (uint32_t)last[1];
+  out->columns = UINT32_MAX >> (PLAN_CELLS - 1 - (to - from)) << from;
+  return true;
+}
+
+bool plan_cells_meet(const plan_cells *cells, const double low[2], const double high[2]) {
+  cell_rect rect;
+  bool meets = false;
+  if (find_cells(&rect, cells, low, high))
+    for (uint32_t y = rect.first; y <= rect.last; ++y)
+      meets |= (cells->read[y] & rect.columns) != 0;
+  return meets;
+}
+
+/* Who reads a map. */
+typedef struct reader {
+  plan_cells *cells;
+  double depths[2];                             /* receivers between these view depths */
+  double room;                                  /* so many metres around them */
+  double held[2];                               /* what lies between, along the light, is in the map's range */
+  uint32_t seen[PLAN_CELLS];                    /* cells that the camera's sight meets, with that room */
+  uint32_t finer[CSM_MAX_CASCADES][PLAN_CELLS]; /* those that a finer map, by cascade, holds with that room */
+} reader;
+
+/* What the readers of a frame follow from. */
+typedef struct reading {
+  const plan_frame *frame;
+  const plan_area *areas;
+  const csm_config *config;
+  bool narrowed; /* a map may be narrower than its slice */
+} reading;
+
+static double largest_texel(const plan_cascade *cascade) {
+  return fmax(cascade->texel[0], cascade->texel[1]);
+}
+
+/* A shader computes view depths in floats. */
+static double depth_rounding(double depth) {
+  return 1e-4 * fabs(depth);
+}
+
+/*
+ * View depths of receivers that read a cascade's map. By intervals it is read from its slice's begin on, and from the
+ * band before that blends with it; before that only where the slice's own map does not hold what lies in it.
+ */
+static void find_depths(double depths[2], const reading *of, uint32_t cascade) {
+  const plan_frame *frame = of->frame;
+  const csm_cascade_info *last = &frame->cascades[frame->cascade_count - 1].info;
+  const bool by_interval = of->config->selection == CSM_SELECT_INTERVAL;
+  const double end = by_interval ? frame->cascades[cascade].info.far_depth : last->far_depth;
+  depths[0] = frame->camera.near_depth;
+  depths[1] = end + depth_rounding(end);
+  if (!by_interval || of->narrowed || cascade == 0)
+    return;
+  const csm_cascade_info *before = &frame->cascades[cascade - 1].info;
+  const double share = of->config->blend_mode == CSM_BLEND_OFF ? 0.0 : of->config->blend_share;
+  const double begin = before->far_depth - share * (before->far_depth - before->near_depth);
+  depths[0] = fmax(depths[0], begin - depth_rounding(before->far_depth));
+}
+
+/* Within so many metres of its border a map may not be taken, or another one blends with it. */
+static double border(const reading *of, uint32_t cascade) {
+  const plan_cascade *map = &of->frame->cascades[cascade];
+  const double band = of->config->blend_mode == CSM_BLEND_OFF ? 0.0 : of->config->blend_share * map->resolution / 2.0;
+  return largest_texel(map) * (plan_padding_texels(of->config) + 1.0 + band);
+}
+
+/* Whether each cascade's map is clearly finer than the next one's, so that the first one that holds a receiver is the
+ * finest. */
+static bool coarsen(const reading *of) {
+  bool coarsen = of->config->selection != CSM_SELECT_INTERVAL;
+  for (uint32_t i = 1; i < of->frame->cascade_count && coarsen; ++i) {
+    const double *fine = of->frame->cascades[i - 1].texel, *coarse = of->frame->cascades[i].texel;
+    coarsen = coarse[0] * coarse[1] > (1.0 + 1e-5) * fine[0] * fine[1];
+  }
+  return coarsen;
+}
+
+static bool within(const plan_area *area, const double low[2], const double high[2], double room) {
+  return low[0] - room >= area->min[0] && high[0] + room <= area->max[0] && low[1] - room >= area->min[1] &&
+         high[1] + room <= area->max[1];
+}
+
+static void note_cell(reader *out, const reading *of, const plan_hull *hull, uint32_t finer, const uint32_t at[2]) {
+  double low[2], high[2];
+  for (int axis = 0; axis < 2; ++axis) {
+    low[axis] = out->cells->begin[axis] + at[axis] * out->cells->size[axis];
+    high[axis] = low[axis] + out->cells->size[axis];
+  }
+  out->seen[at[1]] |= (uint32_t)!plan_outside_hull(hull, low, high) << at[0];
+  for (uint32_t i = 0; i < finer; ++i)
+    out->finer[i][at[1]] |= (uint32_t)within(&of->areas[i], low, high, out->room + border(of, i)) << at[0];
+}
+
+/* What lies in a map's range along the light, but for what is near its ends. */
+static void find_held(double held[2], const reading *of, uint32_t cascade) {
+  const plan_cascade *map = &of->frame->cascades[cascade];
+  const double scale = map->to_clip[10], offset = map->to_clip[11];
+  const double ends[2] = {-offset / scale, (1.0 - offset) / scale};
+  held[0] = fmin(ends[0], ends[1]) + map->shift + border(of, cascade);
+  held[1] = fmax(ends[0], ends[1]) - border(of, cascade);
+}
+
+static void make_reader(reader *out, plan_cells *cells, const reading *of, uint32_t cascade) {
+  const plan_area *area = &of->areas[cascade];
+  const double texel = largest_texel(&of->frame->cascades[cascade]);
+  *out = (reader){.cells = cells, .room = texel * plan_view_room_texels(of->config, cascade)};
+  find_held(out->held, of, cascade);
+  *cells = (plan_cells){0};
+  for (int axis = 0; axis < 2; ++axis) {
+    cells->begin[axis] = area->min[axis];
+    cells->size[axis] = (area->max[axis] - area->min[axis]) / PLAN_CELLS;
+  }
+  find_depths(out->depths, of, cascade);
+  plan_hull hull;
+  plan_view_hull(&hull, &of->frame->camera, of->frame->basis, out->depths, out->room);
+  const uint32_t finer = coarsen(of) ? cascade : 0;
+  for (uint32_t y = 0; y < PLAN_CELLS; ++y)
+    for (uint32_t x = 0; x < PLAN_CELLS; ++x)
+      note_cell(out, of, &hull, finer, (uint32_t[]){x, y});
+}
+
+/* A receiver's box: in light space, and along the view. */
+typedef struct receiver_box {
+  double low[3], high[3], depths[2];
+} receiver_box;
+
+static void find_box(receiver_box *out, const plan_frame *frame, const plan_placed *placed) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double *direction = &frame->basis[axis * 3];
+    const double middle = plan_dot(placed->center, direction) + plan_dot(frame->camera.position, direction);
+    const double reach = plan_reach(placed, direction);
+    out->low[axis] = middle - reach;
+    out->high[axis] = middle + reach;
+  }
+  const double depth = plan_dot(placed->center, frame->camera.forward);
+  const double reach = plan_reach(placed, frame->camera.forward);
+  out->depths[0] = depth - reach;
+  out->depths[1] = depth + reach;
+}
+
+/* Marks the cells that are read for what lies in a box; a finer map that holds all of it along the light is read in
+ * its stead. */
+static void mark(const reader *readers, uint32_t count, const receiver_box *box) {
+  bool held[CSM_MAX_CASCADES];
+  for (uint32_t i = 0; i < count; ++i) {
+    const reader *to = &readers[i];
+    cell_rect rect;
+    const double low[2] = {box->low[0] - to->room, box->low[1] - to->room};
+    const double high[2] = {box->high[0] + to->room, box->high[1] + to->room};
+    held[i] = box->low[2] >= to->held[0] && box->high[2] <= to->held[1];
+    if (box->depths[0] > to->depths[1] || box->depths[1] < to->depths[0] || !find_cells(&rect, to->cells, low, high))
+      continue;
+    for (uint32_t y = rect.first; y <= rect.last; ++y) {
+      uint32_t read = to->seen[y] & rect.columns;
+      for (uint32_t k = 0; k < i; ++k)
+        read &= held[k] ? ~to->finer[k][y] : UINT32_MAX;
+      to->cells->read[y] |= read;
+    }
+  }
+}
+
+void plan_read_cells(plan_cells *cells, const plan_frame *frame, const plan_area *areas, const plan_frame_info *info) {
+  const reading of = {.frame = frame,
+                      .areas = areas,
+                      .config = info->config,
+                      .narrowed = info->sample_count || frame->camera.orthographic};
+  const plan_scene *scene = info->scene;
+  reader readers[CSM_MAX_CASCADES];
+  view_planes planes;
+  for (uint32_t i = 0; i < frame->cascade_count; ++i)
+    make_reader(&readers[i], &cells[i], &of, i);
+  shadow_planes(&planes, &frame->camera, frame->cascades[frame->cascade_count - 1].info.far_depth);
+  for (uint32_t slot = 0; slot < scene->slot_count; ++slot) {
+    plan_placed placed;
+    receiver_box box;
+    if (!plan_receives(&scene->instances[slot]))
+      continue;
+    place_before(&placed, &frame->camera, scene, &scene->instances[slot]);
+    if (outside_planes(&planes, &placed))
+      continue;
+    find_box(&box, frame, &placed);
+    mark(readers, frame->cascade_count, &box);
+  }
+}
