@@ -190,10 +190,13 @@ assert not first['scenes'][0]['truth']['cached'] and first['left_out'] == []
 (plane,) = first['hard']
 assert plane['case'] == 'bare_plane' and plane['about'] and plane['seconds'] > 0 and len(plane['figures']) >= 3, plane
 assert all(f['holds'] == (f['value'] <= f['bound']) and f['holds'] and f['unit'] for f in plane['figures']), plane
-best = first['scenes'][0]['verdicts'][backends[0]]['least_error']
-assert first['scenes'][0]['configurations'][best]['filter'] == 'exact', 'rays are nearer the truth than any map'
+# A map may have no error at all here, and be faster, so it is rays' own error that is looked at.
+drawn = first['scenes'][0]['configurations']
+error_of = lambda p: p['backends'][backends[0]]['error']
+least = min(error_of(p) for p in drawn if p['filter'] == 'exact')
+assert error_of(drawn[first['scenes'][0]['verdicts'][backends[0]]['least_error']]) == least, 'rays are nearest the truth'
 by_maps = [p for p in first['scenes'][0]['configurations'] if not p['filter'].startswith('exact')]
-best = min(by_maps, key=lambda p: p['backends'][backends[0]]['error'])
+best = min(by_maps, key=error_of)
 assert best['resolution'] == 256, 'four times the texels are nearer the truth'
 
 # The same truth again, for another base; one in the sweep.
