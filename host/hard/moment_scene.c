@@ -52,15 +52,19 @@ static bool is_packed(const csm_config *config) {
 }
 
 /*
- * What a moment is off by, as a share of itself, or, where it is 1 at most, at all: the last of 11 bits, or half of the
- * last of 24, for each time that it is stored, and half of the last of 24 for each step of the arithmetic. What is stored as sums of half its
- * size is told from them as unpack does: an odd moment 1/3 + sqrt(3) times as well, an even one 1.125 times.
+ * What a moment is off by being stored, as a share of itself, or, where it is 1 at most, at all: the last of 11 bits, or half
+ * of the last of 24, each time. What is stored as sums of half its size is told from them as unpack does: an odd moment
+ * 1/3 + sqrt(3) times as well, an even one 1.125 times.
  */
-static double moment_error(const csm_config *config, uint32_t moment) {
+static double store_error(const csm_config *config, uint32_t moment) {
   const double share = config->moment_format == CSM_MOMENTS_FLOAT16 ? 0x1p-10 : 0x1p-24;
   const double packed = moment % 2 ? 1.125 / 2.0 : (1.0 / 3.0 + sqrt(3.0)) / 2.0;
-  return (stores(config) * share * (is_packed(config) ? packed : 1.0) + sums(config) * 0x1p-24) *
-         (is_warped(config) ? 1.0 : 0.5);
+  return stores(config) * share * (is_packed(config) ? packed : 1.0) * (is_warped(config) ? 1.0 : 0.5);
+}
+
+/* And by half of the last of 24 bits for each step of the arithmetic. */
+static double moment_error(const csm_config *config, uint32_t moment) {
+  return store_error(config, moment) + sums(config) * 0x1p-24 * (is_warped(config) ? 1.0 : 0.5);
 }
 
 /* A share of exp(c z) is that share over c of z; exp itself may be off by 3 + 2 |c z| of its last places, twice. */
@@ -284,7 +288,30 @@ static double least_variance(const moment_scene *scene, uint32_t pair, double me
 /* An exponential may be off by 3 + 2 |c z| of its last places, and its square by twice that. */
 static double exponential_error(const moment_scene *scene, uint32_t moment) {
   const double c = scene->model.exponents[moment / 2];
-  return is_warped(&scene->config) ? (3.0 + 2.0 * c) * 0x1p-23 * (moment % 2 ? 2.0 : 1.0) : 0.0;
+  return (3.0 + 2.0 * c) * 0x1p-23 * (moment % 2 ? 2.0 : 1.0);
+}
+
+/* What a warped moment is off when it is made and stored. */
+static double warped_error(const moment_scene *scene, uint32_t moment) {
+  return moment_error(&scene->config, moment) + exponential_error(scene, moment);
+}
+
+/*
+ * A depth of 16 bits is rounded to a float, and doubled with it, and so is z, by half of the last of 24 bits each; the n-th
+ * power of z is off by n times as much, and by as much for each product.
+ */
+static double power_error(const moment_scene *scene, uint32_t moment) {
+  const double power = moment + 1.0, z = scene->config.map_format == CSM_MAP_D16 ? 3.0 : 1.0;
+  return (power * z + power - 1.0) * 0x1p-25;
+}
+
+/* A blur adds each of its texels, along a row and along a column, to what is 1 at most, and is rounded each time. A float of
+   32 bits is stored as it is. */
+static double plain_error(const moment_scene *scene, uint32_t moment) {
+  const csm_config *config = &scene->config;
+  const double radius = config->moment_blur_texels, blur = radius > 0.0 ? 2.0 * (2.0 * radius + 1.0) * 0x1p-25 : 0.0;
+  const double stored = config->moment_format == CSM_MOMENTS_FLOAT16 ? store_error(config, moment) : 0.0;
+  return stored + power_error(scene, moment) + blur;
 }
 
 /* The most that a moment is off what it should be, of what rounding may do to it: of one layer, here and there. */
@@ -297,8 +324,8 @@ static double worst_moment(const moment_scene *scene) {
       double moments[MOMENT_CHANNELS];
       find_moments(scene, (const double[2]){x + 0.5, y + 0.5}, &whole, moments);
       for (uint32_t k = 0; k < scene->channels; k++) {
-        const double size = is_warped(&scene->config) ? fabs(moments[k]) : 1.0;
-        const double most = (moment_error(&scene->config, k) + exponential_error(scene, k)) * size;
+        const double most =
+            is_warped(&scene->config) ? warped_error(scene, k) * fabs(moments[k]) : plain_error(scene, k);
         worst = fmax(worst, fabs(at[k] - moments[k]) / most);
       }
     }
