@@ -139,7 +139,8 @@ typedef struct reading {
   const plan_frame *frame;
   const plan_area *areas;
   const csm_config *config;
-  bool narrowed; /* a map may be narrower than its slice */
+  bool narrowed;                    /* a map may be narrower than its slice */
+  double borders[CSM_MAX_CASCADES]; /* of each map: see find_border */
 } reading;
 
 static double largest_texel(const plan_cascade *cascade) {
@@ -171,7 +172,7 @@ static void find_depths(double depths[2], const reading *of, uint32_t cascade) {
 }
 
 /* Within so many metres of its border a map may not be taken, or another one blends with it. */
-static double border(const reading *of, uint32_t cascade) {
+static double find_border(const reading *of, uint32_t cascade) {
   const plan_cascade *map = &of->frame->cascades[cascade];
   const double band = of->config->blend_mode == CSM_BLEND_OFF ? 0.0 : of->config->blend_share * map->resolution / 2.0;
   return largest_texel(map) * (plan_padding_texels(of->config) + 1.0 + band);
@@ -201,7 +202,7 @@ static void note_cell(reader *out, const reading *of, const plan_hull *hull, uin
   }
   out->seen[at[1]] |= (uint32_t)!plan_outside_hull(hull, low, high) << at[0];
   for (uint32_t i = 0; i < finer; ++i)
-    out->finer[i][at[1]] |= (uint32_t)within(&of->areas[i], low, high, out->room + border(of, i)) << at[0];
+    out->finer[i][at[1]] |= (uint32_t)within(&of->areas[i], low, high, out->room + of->borders[i]) << at[0];
 }
 
 /* What lies in a map's range along the light, but for what is near its ends. */
@@ -209,8 +210,8 @@ static void find_held(double held[2], const reading *of, uint32_t cascade) {
   const plan_cascade *map = &of->frame->cascades[cascade];
   const double scale = map->to_clip[10], offset = map->to_clip[11];
   const double ends[2] = {-offset / scale, (1.0 - offset) / scale};
-  held[0] = fmin(ends[0], ends[1]) + map->shift + border(of, cascade);
-  held[1] = fmax(ends[0], ends[1]) - border(of, cascade);
+  held[0] = fmin(ends[0], ends[1]) + map->shift + of->borders[cascade];
+  held[1] = fmax(ends[0], ends[1]) - of->borders[cascade];
 }
 
 static void make_reader(reader *out, plan_cells *cells, const reading *of, uint32_t cascade) {
@@ -273,13 +274,15 @@ static void mark(const reader *readers, uint32_t count, const receiver_box *box)
 }
 
 void plan_read_cells(plan_cells *cells, const plan_frame *frame, const plan_area *areas, const plan_frame_info *info) {
-  const reading of = {.frame = frame,
-                      .areas = areas,
-                      .config = info->config,
-                      .narrowed = info->sample_count || frame->camera.orthographic};
+  reading of = {.frame = frame,
+                .areas = areas,
+                .config = info->config,
+                .narrowed = info->sample_count || frame->camera.orthographic};
   const plan_scene *scene = info->scene;
   reader readers[CSM_MAX_CASCADES];
   view_planes planes;
+  for (uint32_t i = 0; i < frame->cascade_count; ++i)
+    of.borders[i] = find_border(&of, i);
   for (uint32_t i = 0; i < frame->cascade_count; ++i)
     make_reader(&readers[i], &cells[i], &of, i);
   shadow_planes(&planes, &frame->camera, frame->cascades[frame->cascade_count - 1].info.far_depth);
