@@ -23,8 +23,9 @@
 #define RAYS_PLACE_BITS 14
 #define RAYS_SHARE_BIT 28
 
-/* Pixels on a side of what a group looks through for them; threads of a group that sends rays. */
-#define RAYS_TILE 8
+/* Threads on a side of a group that looks through pixels for them, four pixels a thread; threads of a group that sends rays. */
+#define RAYS_LOOK 8
+#define RAYS_TILE (2 * RAYS_LOOK)
 #define RAYS_THREADS 64
 #define RAYS_MOST_GROUPS 65535
 

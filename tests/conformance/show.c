@@ -35,20 +35,24 @@ static void draw(shown *v, const csm_config *config, shot *shot) {
   assert_int_equal(csm_bind(v->cascades, &v->binding), CSM_SUCCESS);
 }
 
-/* What a mask holds, in 255ths; the caller frees it. */
-static int *resolve(const shown *v, shot *shot, uint32_t show) {
+/* What a mask of that size holds, in 255ths; the caller frees it. */
+static int *resolve_sized(const shown *v, shot *shot, uint32_t show, uint32_t across, uint32_t down) {
   const csm_mask_info info = {
-      .struct_size = sizeof info, .frame = shot_frame(shot), .width = width, .height = height, .show = show};
+      .struct_size = sizeof info, .frame = shot_frame(shot), .width = across, .height = down, .show = show};
   assert_int_equal(csm_resolve_mask(v->view, v->cascades, &info), CSM_SUCCESS);
-  float *mask = support_image(v->context, v->view, CSM_READ_MASK, width, height);
-  int *values = malloc(pixels * sizeof *values);
+  float *mask = support_image(v->context, v->view, CSM_READ_MASK, across, down);
+  int *values = malloc(across * down * sizeof *values);
   assert_non_null(values);
-  for (int i = 0; i < pixels; ++i) {
+  for (uint32_t i = 0; i < across * down; ++i) {
     values[i] = (int)lroundf(mask[i] * 255);
     assert_float_equal(mask[i] * 255, values[i], 1e-3);
   }
   free(mask);
   return values;
+}
+
+static int *resolve(const shown *v, shot *shot, uint32_t show) {
+  return resolve_sized(v, shot, show, width, height);
 }
 
 static void finish(shown *v) {
@@ -329,6 +333,37 @@ static void nodes_of_rays_are_counted(void **state) {
   finish(&v);
 }
 
+/* Threads look at pixels by fours, in squares: where all surfaces ask, each is in the list once, whatever the picture's size. */
+static void every_pixel_of_any_size_is_listed_once(void **state) {
+  (void)state;
+  static const uint32_t sizes[][2] = {{1, 1}, {2, 1}, {1, 9}, {17, 16}, {16, 17}, {33, 31}, {34, 34}};
+  shown v;
+  support_scene scene;
+  csm_config config = support_config();
+  config.filter = CSM_FILTER_EXACT;
+  config.ray_grazing_cosine = 1;
+  open_view_with(&v, CSM_CREATE_RAYS);
+  support_scene_make(&scene, v.context);
+  draw(&v, &config, &scene.shot);
+  for (size_t i = 0; i < sizeof sizes / sizeof *sizes; ++i) {
+    const uint32_t across = sizes[i][0], down = sizes[i][1];
+    int *cascades = resolve_sized(&v, &scene.shot, CSM_SHOW_CASCADE, across, down);
+    int *rays = resolve_sized(&v, &scene.shot, CSM_SHOW_RAYS, across, down);
+    csm_view_stats stats = {.struct_size = sizeof stats};
+    assert_int_equal(csm_get_view_stats(v.view, &stats), CSM_SUCCESS);
+    uint32_t held = 0;
+    for (uint32_t at = 0; at < across * down; ++at) {
+      assert_int_equal(rays[at] > 0, cascades[at] > 0);
+      held += cascades[at] > 0;
+    }
+    assert_true(held > across * down / 2);
+    assert_int_equal(stats.ray_pixels, held);
+    free(rays);
+    free(cascades);
+  }
+  finish(&v);
+}
+
 /* ---- times ---- */
 
 static csm_view_stats stats_after(shown *v, const csm_config *config, shot *shot, uint32_t show) {
@@ -416,6 +451,7 @@ static void casters_are_told(void **state) {
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(nodes_of_rays_are_counted),
+      cmocka_unit_test(every_pixel_of_any_size_is_listed_once),
       cmocka_unit_test(times_are_of_the_last_mask_that_was_timed),
       cmocka_unit_test(a_point_has_the_cascade_of_its_interval),
       cmocka_unit_test(dithered_points_have_the_cascade_they_got),

@@ -78,7 +78,7 @@ static csm_result make_program(gpu gpu, const void *about, gpu_program **out) {
                                  .texel_buffer_count = rays ? 2 : 0,
                                  .store_image_count = rays,
                                  .store_buffer_count = 1,
-                                 .sampler_count = rays,
+                                 .sampler_count = key->step != GROUPS,
                                  .samplers = {GPU_SAMPLER_POINT_CLAMP}};
   return gpu_program_create(gpu, &info, out);
 }
