@@ -98,8 +98,7 @@ csm_result plan_config_check(const csm_config *config, const char **error) {
   const plan_config_entry *entry;
   for (uint32_t i = 0; !result && (entry = plan_config_entry_at(i)); ++i)
     result = check_entry(entry, config, error);
-  if (!result && (config->reserved || config->reserved_moments || config->reserved_soft || config->reserved_history ||
-                  config->reserved_rays))
+  if (!result && (config->reserved || config->reserved_moments || config->reserved_soft || config->reserved_history))
     result = plan_fail(error, CSM_ERROR_INVALID_VALUE, "reserved is not 0");
   if (!result)
     result = check_splits(config, error);

@@ -338,6 +338,9 @@ static const plan_config_entry entries[] = {
     /* rays */
     ENTRY(ray_taps, .type = CSM_FIELD_UINT, .length = 1, .minimum = 1, .maximum = 64, .default_value = 16, .unit = "1",
           .about = "Filter exact_soft: rays from a pixel to the light's disc."),
+    ENTRY(ray_share, .type = CSM_FIELD_UINT, .length = 1, .minimum = 0, .maximum = 1, .default_value = 0, .unit = "1",
+          .about = "Filter exact_soft without history: whether pixels on one plane share what their rays found, where "
+                   "chance explains how it differs."),
     ENTRY(ray_unsure_cosine, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 1.0,
           .default_value = 0.1, .unit = "1",
           .about = "Filter exact without normals: a ray decides where depth leaves a pixel's plane unsure and its "

@@ -58,6 +58,8 @@ bool plan_has_moments(const csm_config *config);
 bool plan_is_soft(const csm_config *config);
 /* Whether rays decide where maps do not. */
 bool plan_has_rays(const csm_config *config);
+/* Whether pixels of a mask share what their rays found. */
+bool plan_shares_rays(const csm_config *config);
 /* Texels around a sample that the configured filter may read. */
 uint32_t plan_filter_radius_texels(const csm_config *config);
 /* The side of a cascade's map, in texels. */

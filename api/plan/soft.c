@@ -9,3 +9,7 @@ bool plan_is_soft(const csm_config *config) {
 bool plan_has_rays(const csm_config *config) {
   return config->filter == CSM_FILTER_EXACT || config->filter == CSM_FILTER_EXACT_SOFT;
 }
+
+bool plan_shares_rays(const csm_config *config) {
+  return config->filter == CSM_FILTER_EXACT_SOFT && config->ray_share && config->history == CSM_HISTORY_OFF;
+}

@@ -22,15 +22,17 @@ static const double texels_across = 24.0, least_texel = 0.01;
 typedef struct knife {
   const char *name;
   uint32_t filter;
-  bool stated;   /* its kernel is no disc, and its width is only stated */
-  uint32_t rays; /* that decide, from each pixel; 0: maps do */
+  bool stated;    /* its kernel is no disc, and its width is only stated */
+  uint32_t rays;  /* that decide, from each pixel; 0: maps do */
+  uint32_t share; /* 1: pixels share them */
 } knife;
 
-static const knife knives[] = {{"pcss", CSM_FILTER_PCSS, false, 0},
-                               {"backprojection", CSM_FILTER_BACKPROJECTION, false, 0},
-                               {"vssm", CSM_FILTER_VSSM, true, 0},
-                               {"exact_soft", CSM_FILTER_EXACT_SOFT, false, 16},
-                               {"exact_soft, 64 rays", CSM_FILTER_EXACT_SOFT, false, 64}};
+static const knife knives[] = {{"pcss", CSM_FILTER_PCSS, false, 0, 0},
+                               {"backprojection", CSM_FILTER_BACKPROJECTION, false, 0, 0},
+                               {"vssm", CSM_FILTER_VSSM, true, 0, 0},
+                               {"exact_soft", CSM_FILTER_EXACT_SOFT, false, 16, 0},
+                               {"exact_soft, 64 rays", CSM_FILTER_EXACT_SOFT, false, 64, 0},
+                               {"exact_soft, 4 rays shared", CSM_FILTER_EXACT_SOFT, false, 4, 1}};
 enum { KNIVES = sizeof knives / sizeof knives[0] };
 
 typedef struct place {
@@ -181,22 +183,32 @@ static int add_figures(hard_run *run, const knife *with, const place *at, const 
   return 0;
 }
 
+/* All of the disc is seen, or none of it, so far to either side of a place. */
+static bool is_end(const place *at, double across, double reach) {
+  const double least = visibility_at(at, across - reach), most = visibility_at(at, across + reach);
+  return fmax(least, most) < 1e-6 || fmin(least, most) > 1.0 - 1e-6;
+}
+
 /*
  * Rays to the disc are all hidden where the disc is, and none is where all of it is seen, to the last bit. Between them so
- * many rays do no worse than as many at random, whose share has a deviation of half a root.
+ * many rays do no worse than as many at random, whose share has a deviation of half a root. Pixels that share rays see a
+ * pixel farther, along a diagonal.
  */
 static void add_shares(hard_run *run, const knife *with, const place *at, const hard_picture *drawn) {
   const double c = cos(turn), s = sin(turn);
   uint64_t ends = 0, partly = 0;
-  double squares = 0.0;
+  double squares = 0.0, corners[2][2];
+  overhead_place(run->setup, 0, 0, corners[0]);
+  overhead_place(run->setup, 1, 1, corners[1]);
+  const double reach = with->share * hypot(corners[1][0] - corners[0][0], corners[1][1] - corners[0][1]);
   for (uint32_t i = 0; i < drawn->width * drawn->height; i++) {
     double where[2];
     overhead_place(run->setup, i % drawn->width, i / drawn->width, where);
-    const double share = visibility_at(at, c * where[0] + s * where[1]), error = drawn->mask[i] - share;
-    const bool is_end = share < 1e-6 || share > 1.0 - 1e-6;
-    ends += is_end && fabs(error) > 1e-5;
-    partly += !is_end;
-    squares += is_end ? 0.0 : error * error;
+    const double across = c * where[0] + s * where[1], error = drawn->mask[i] - visibility_at(at, across);
+    const bool end = is_end(at, across, 0.0);
+    ends += is_end(at, across, reach) && fabs(error) > 1e-5;
+    partly += !end;
+    squares += end ? 0.0 : error * error;
   }
   hard_figure_add(run, (double)ends, 0.0, "px", "%s: neither dark in the umbra nor lit outside", with->name);
   hard_figure_add(run, sqrt(squares / (double)partly) * sqrt(with->rays), 0.5, "1",
@@ -216,6 +228,7 @@ static int draw_place(hard_run *run, const place *at) {
     config.soft_radius_least_texels = 1.5; /* as the presets have it */
     config.moment_levels = knives[i].filter == CSM_FILTER_VSSM ? 8 : 1;
     config.ray_taps = knives[i].rays ? knives[i].rays : config.ray_taps;
+    config.ray_share = knives[i].share;
     code = hard_restart(run, &config);
     if (code == 0)
       code = hard_draw(run, &setup.camera, &setup.light, 0, &drawn);

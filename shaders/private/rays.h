@@ -12,7 +12,8 @@
 
 /*
  * The list of pixels, as whole numbers: how many; groups of RAYS_THREADS of them along x, y and z; how many of them the map
- * decided after all; of a view, nodes and triangles in 16ths; then each pixel as x + 2^14 y + 2^28 k.
+ * decided after all; of a view, nodes and triangles in 16ths; then each pixel as x + 2^14 y + 2^28 k. Behind the last one, where
+ * rays are shared: what each pixel's mask becomes, in 255ths.
  */
 #define RAYS_COUNT 0
 #define RAYS_GROUPS 1

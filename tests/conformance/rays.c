@@ -598,6 +598,139 @@ static void soft_shadows_are_shares_of_the_disc(void **state) {
   rays_close(&m);
 }
 
+/* How a pixel's depth goes on along an axis, `step` pixels apart in the picture; false: not told for sure. */
+static bool slope_at(const float *depth, int at, int step, double *out) {
+  const double back = (double)depth[at] - depth[at - step], on = (double)depth[at + step] - depth[at];
+  const double bend_back = fabs(back - ((double)depth[at - step] - depth[at - 2 * step]));
+  const double bend_on = fabs(((double)depth[at + 2 * step] - depth[at + step]) - on);
+  *out = bend_back < bend_on ? back : on;
+  return fmin(bend_back, bend_on) < 0.5 * fmax(bend_back, bend_on) || fabs(back - on) < 1e-6;
+}
+
+/* What a pixel becomes of what masks without sharing have, in 255ths; -1: it is too close to call. */
+static int shared_level(const int *own, const float *depth, int at, uint32_t rays) {
+  int64_t count = 0, sum = 0, squares = 0;
+  double right, down;
+  if (!slope_at(depth, at, 1, &right) || !slope_at(depth, at, RAYS_WIDTH, &down))
+    return -1;
+  const double room = 0.25 * (fabs(right) + fabs(down));
+  for (int y = -1; y <= 1; ++y)
+    for (int x = -1; x <= 1; ++x) {
+      const int beside = at + y * RAYS_WIDTH + x;
+      const double off = fabs(depth[beside] - (depth[at] + x * right + y * down));
+      if (off > 0.7 * room - 2e-6 && off < 1.3 * room + 2e-6 && beside != at)
+        return -1;
+      if (off > room && beside != at)
+        continue;
+      ++count;
+      sum += own[beside];
+      squares += own[beside] * own[beside];
+    }
+  const bool chance = rays * (count * squares - sum * sum) <= sum * (255 * count - sum);
+  return chance ? (int)((2 * sum + count) / (2 * count)) : own[at];
+}
+
+static int *levels_of(rays_model *m, csm_cascades *cascades, uint32_t show) {
+  const csm_mask_info info = {.struct_size = sizeof info,
+                              .frame = shot_frame(&m->shot),
+                              .width = RAYS_WIDTH,
+                              .height = RAYS_HEIGHT,
+                              .show = show};
+  succeed(m, csm_resolve_mask(m->view, cascades, &info));
+  float *mask = support_image(m->context, m->view, CSM_READ_MASK, RAYS_WIDTH, RAYS_HEIGHT);
+  int *levels = malloc(RAYS_WIDTH * RAYS_HEIGHT * sizeof *levels);
+  assert_non_null(levels);
+  for (int i = 0; i < RAYS_WIDTH * RAYS_HEIGHT; ++i)
+    levels[i] = (int)lroundf(mask[i] * 255);
+  free(mask);
+  return levels;
+}
+
+static csm_config few_rays(void) {
+  csm_config config = rays_config();
+  config.filter = CSM_FILTER_EXACT_SOFT;
+  config.resolution = 512;
+  config.ray_taps = 4;
+  config.ray_grazing_cosine = 0;
+  config.soft_radius_max_texels = 64;
+  return config;
+}
+
+/* Every pixel is what the rule makes of it, and noise falls by a quarter at least. */
+static void pixels_share_what_rays_found(void **state) {
+  (void)state;
+  enum { PIXELS = RAYS_WIDTH * RAYS_HEIGHT };
+  static float seen[PIXELS];
+  rays_model m = {0};
+  rays_open(&m, 0, NULL);
+  m.shot.light.angular_diameter = 0.4;
+  m.shot.frame.scene = m.scene;
+  csm_config config = few_rays();
+  csm_cascades *cascades = rays_cascades(&m, &config);
+  succeed(&m, csm_render_cascades(cascades, shot_frame(&m.shot)));
+  int *own = levels_of(&m, cascades, CSM_SHOW_VISIBILITY), *asked = levels_of(&m, cascades, CSM_SHOW_RAYS);
+  float *depth = support_image(m.context, m.view, CSM_READ_CAMERA_DEPTH, RAYS_WIDTH, RAYS_HEIGHT);
+  config.ray_share = 1;
+  succeed(&m, csm_cascades_configure(cascades, &config));
+  succeed(&m, csm_render_cascades(cascades, shot_frame(&m.shot)));
+  int *shared = levels_of(&m, cascades, CSM_SHOW_VISIBILITY), *viewed = levels_of(&m, cascades, CSM_SHOW_RAYS);
+  if (rays_draw()) {
+    uint32_t sure = 0, mixed = 0, all = 0;
+    double before = 0, after = 0;
+    rays_seen(&m, depth, 256, seen);
+    assert_memory_equal(asked, viewed, PIXELS * sizeof *asked);
+    for (int at = 0; at < PIXELS; ++at) {
+      const int x = at % RAYS_WIDTH, y = at / RAYS_WIDTH;
+      if (!asked[at])
+        assert_int_equal(shared[at], own[at]);
+      if (!asked[at] || seen[at] < 0)
+        continue;
+      before += pow(own[at] / 255.0 - (double)seen[at], 2);
+      after += pow(shared[at] / 255.0 - (double)seen[at], 2);
+      ++all;
+      if (x < 2 || y < 2 || x > RAYS_WIDTH - 3 || y > RAYS_HEIGHT - 3)
+        continue;
+      const int expected = shared_level(own, depth, at, config.ray_taps);
+      if (expected < 0)
+        continue;
+      if (shared[at] != expected)
+        fail_msg("pixel %d, %d: %d, not %d; %d by itself", x, y, shared[at], expected, own[at]);
+      ++sure;
+      mixed += expected != own[at];
+    }
+    print_message("%u pixels asked, %u sure, %u of them mixed; off by %.4f, shared by %.4f\n", all, sure, mixed,
+                  sqrt(before / all), sqrt(after / all));
+    assert_true(sure > all / 2 && mixed > sure / 4);
+    assert_true(sqrt(after) < 0.75 * sqrt(before));
+  }
+  free(viewed);
+  free(shared);
+  free(depth);
+  free(asked);
+  free(own);
+  rays_close(&m);
+}
+
+/* Frames share by themselves. */
+static void a_history_shares_no_rays(void **state) {
+  (void)state;
+  rays_model m = {0};
+  rays_open(&m, 0, NULL);
+  m.shot.light.angular_diameter = 0.08;
+  float *masks[2];
+  for (uint32_t share = 0; share < 2; ++share) {
+    csm_config config = few_rays();
+    config.history = CSM_HISTORY_ON;
+    config.ray_share = share;
+    const rays_picture picture = {.cascades = rays_cascades(&m, &config), .view = support_view(m.context)};
+    masks[share] = rays_mask(&m, &picture);
+  }
+  assert_memory_equal(masks[0], masks[1], RAYS_WIDTH * RAYS_HEIGHT * sizeof **masks);
+  free(masks[0]);
+  free(masks[1]);
+  rays_close(&m);
+}
+
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(all_suns_and_cameras),
@@ -618,6 +751,8 @@ int main(int argc, char **argv) {
       cmocka_unit_test(a_switch_takes_trees_along),
       cmocka_unit_test(a_switch_makes_trees_of_what_is_supplied),
       cmocka_unit_test(soft_shadows_are_shares_of_the_disc),
+      cmocka_unit_test(pixels_share_what_rays_found),
+      cmocka_unit_test(a_history_shares_no_rays),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
 }

@@ -55,7 +55,7 @@ static const misuse refused[] = {
     {"a bias by slope", FIELD(csm_config, bias_mode), {CSM_BIAS_SLOPE}, CSM_ERROR_INVALID_VALUE, "bias_mode"},
     {"no ray", FIELD(csm_config, ray_taps), {0}, CSM_ERROR_INVALID_VALUE, "ray_taps"},
     {"too many rays", FIELD(csm_config, ray_taps), {65}, CSM_ERROR_INVALID_VALUE, "ray_taps"},
-    {"a reserved field", FIELD(csm_config, reserved_rays), {1}, CSM_ERROR_INVALID_VALUE, "reserved"},
+    {"rays shared twice", FIELD(csm_config, ray_share), {2}, CSM_ERROR_INVALID_VALUE, "ray_share"},
     {"a cosine", FIELD(csm_config, ray_unsure_cosine), {.real = 1.5}, CSM_ERROR_INVALID_VALUE, "ray_unsure_cosine"},
     {"one below 0", FIELD(csm_config, ray_unsure_cosine), {.real = -0.1}, CSM_ERROR_INVALID_VALUE, "ray_unsure_cosine"},
     {"no number", FIELD(csm_config, ray_unsure_cosine), {.real = NAN}, CSM_ERROR_NOT_FINITE, "ray_unsure_cosine"},
@@ -67,6 +67,7 @@ static const misuse refused[] = {
     {"no end", FIELD(csm_config, ray_grazing_cosine), {.real = INFINITY}, CSM_ERROR_NOT_FINITE, "ray_grazing_cosine"},
     {"the most rays", FIELD(csm_config, ray_taps), {64}, CSM_SUCCESS, NULL},
     {"one ray", FIELD(csm_config, ray_taps), {1}, CSM_SUCCESS, NULL},
+    {"shared rays", FIELD(csm_config, ray_share), {1}, CSM_SUCCESS, NULL},
     {"every pixel", FIELD(csm_config, ray_grazing_cosine), {.real = 1}, CSM_SUCCESS, NULL},
 };
 

@@ -33,7 +33,6 @@ static void describes_every_byte(void **state) {
   memset(&described[offsetof(csm_config, reserved_moments)], 1, sizeof(uint32_t));
   memset(&described[offsetof(csm_config, reserved_soft)], 1, sizeof(uint32_t));
   memset(&described[offsetof(csm_config, reserved_history)], 1, sizeof(uint32_t));
-  memset(&described[offsetof(csm_config, reserved_rays)], 1, sizeof(uint32_t));
   for (uint32_t i = 0; plan_config_field(i); ++i) {
     const csm_config_field *field = plan_config_field(i);
     assert_int_equal(field->struct_size, sizeof *field);

@@ -205,9 +205,10 @@ typedef struct csm_config {
   uint32_t reserved_history; /* 0 */
 
   /* Rays: filters exact and exact_soft. */
-  uint32_t ray_taps;         /* EXACT_SOFT: rays from a pixel to the light's disc, 1 to 64 */
-  uint32_t reserved_rays;    /* 0 */
-  double ray_unsure_cosine;  /* masks without an engine's normals: where the depth leaves a pixel's plane unsure, a ray
+  uint32_t ray_taps;        /* EXACT_SOFT: rays from a pixel to the light's disc, 1 to 64 */
+  uint32_t ray_share;       /* 1, EXACT_SOFT, csm's own masks without a history: a pixel that rays decide shows the mean
+                                 of the 3 x 3 pixels around it on its plane, where chance explains how they differ */
+  double ray_unsure_cosine; /* masks without an engine's normals: where the depth leaves a pixel's plane unsure, a ray
                                  decides if the cosine of the plane's normal to the light is below this, 0 to 1 */
   double ray_grazing_cosine; /* and below this one wherever the plane is known, too */
 } csm_config;

@@ -11,7 +11,9 @@
 
 #include <string.h>
 
-enum { steps = 3, list_header = RAYS_FIRST * sizeof(uint32_t), arguments_size = 3 * sizeof(uint32_t) };
+/* The passes: pixels are listed, groups of threads counted, rays sent; then pixels share what these found. */
+enum { LIST, GROUPS, RAYS, SHARE, STORE, steps };
+enum { list_header = RAYS_FIRST * sizeof(uint32_t), arguments_size = 3 * sizeof(uint32_t) };
 
 /* The pixels that rays are to decide: private/rays.h. */
 typedef struct pixel_list {
@@ -43,7 +45,7 @@ typedef struct rays_state {
   inputs inputs[steps];
   pass_timer timer;
   /* of the recording on its way */
-  bool runs;
+  uint32_t runs; /* how many of the passes */
   ring_range ring;
   gpu_program *programs[steps];
   input *reads[steps];
@@ -56,29 +58,30 @@ static bool wanted(const csm_config *config) {
 
 /* ---- programs ---- */
 
+static const char *const names[steps] = {"rays' pixels", "rays' groups", "rays", "rays' sharing", "rays' means"};
+
 /* What a program is made for; without gaps, for its bytes are compared. */
 typedef struct rays_key {
   uint64_t step;
-  uint64_t variant; /* of rays.cs.hlsl, in the last step */
+  uint64_t variant; /* of rays.cs.hlsl, where rays are sent */
 } rays_key;
 
-enum { LIST = 0, GROUPS = 1, RAYS = 2 };
-
 static csm_result make_program(gpu gpu, const void *about, gpu_program **out) {
-  static const char *const names[steps] = {"rays' pixels", "rays' groups", "rays"};
+  static const uint32_t textures[steps] = {[LIST] = 1, [RAYS] = 2, [SHARE] = 2};
   const rays_key *key = about;
-  const bool rays = key->step == RAYS;
+  const gpu_code codes[steps] = {[LIST] = shader_rays_list_cs,
+                                 [GROUPS] = shader_rays_groups_cs,
+                                 [SHARE] = shader_rays_share_cs,
+                                 [STORE] = shader_rays_store_cs};
   const gpu_program_info info = {.name = names[key->step],
-                                 .compute = rays                ? *shader_find(key->variant)
-                                            : key->step == LIST ? shader_rays_list_cs
-                                                                : shader_rays_groups_cs,
+                                 .compute = key->step == RAYS ? *shader_find(key->variant) : codes[key->step],
                                  .constants_count = 2,
                                  .constants_sizes = {MASK_CASCADES_BLOCK, MASK_CAMERA_BLOCK},
-                                 .texture_count = rays ? 2 : key->step == LIST,
-                                 .texel_buffer_count = rays ? 2 : 0,
-                                 .store_image_count = rays,
+                                 .texture_count = textures[key->step],
+                                 .texel_buffer_count = key->step == RAYS ? 2 : 0,
+                                 .store_image_count = key->step == RAYS || key->step == STORE,
                                  .store_buffer_count = 1,
-                                 .sampler_count = key->step != GROUPS,
+                                 .sampler_count = textures[key->step] > 0,
                                  .samplers = {GPU_SAMPLER_POINT_CLAMP}};
   return gpu_program_create(gpu, &info, out);
 }
@@ -89,7 +92,7 @@ static csm_result find_programs(rays_state *state, technique_run *run) {
   const uint64_t variant =
       shader_key_rays(config->filter == CSM_FILTER_EXACT_SOFT, config->history == CSM_HISTORY_ON && !view, view);
   csm_result result = CSM_SUCCESS;
-  for (uint32_t i = 0; i < steps && !result; ++i) {
+  for (uint32_t i = 0; i < state->runs && !result; ++i) {
     const rays_key about = {.step = i, .variant = i == RAYS ? variant : 0};
     const program_key key = {.make = make_program, .name = "a program of rays", .about = &about, .size = sizeof about};
     result = programs_find(run->device, &key, &state->programs[i]);
@@ -154,8 +157,11 @@ static uint64_t size(const void *self, const technique_run *run) {
   return RING_ALIGNMENT;
 }
 
-static csm_result reserve_list(rays_state *state, device *device, const technique_picture *picture) {
-  const uint64_t wanted = list_header + (uint64_t)picture->width * picture->height * sizeof(uint32_t);
+static csm_result reserve_list(rays_state *state, const technique_run *run) {
+  device *device = run->device;
+  const uint64_t pixels_most = (uint64_t)run->picture->width * run->picture->height;
+  const uint64_t words = plan_shares_rays(run->config) ? 2 * pixels_most : pixels_most;
+  const uint64_t wanted = list_header + words * sizeof(uint32_t);
   if (state->now && state->now->size == wanted)
     return CSM_SUCCESS;
   pixel_list *list = host_allocate(device->host, sizeof *list);
@@ -183,25 +189,20 @@ static csm_result reserve_reads(rays_state *state, technique_run *run) {
   gpu_buffer *meshes = tree_pool_buffer(run->device); /* NULL: no mesh has a tree, and no row is read */
   const gpu_buffer_part list = {.buffer = (state->fresh ? state->fresh : state->now)->buffer,
                                 .stride = sizeof(uint32_t)};
-  const gpu_bindings_info reads[steps] = {{.name = "rays' pixels",
-                                           .program = state->programs[0],
-                                           .constants = {constants, constants},
-                                           .textures = {picture->mask},
-                                           .store_buffers = {list}},
-                                          {.name = "rays' groups",
-                                           .program = state->programs[1],
-                                           .constants = {constants, constants},
-                                           .store_buffers = {list}},
-                                          {.name = "rays",
-                                           .program = state->programs[2],
-                                           .constants = {constants, constants},
-                                           .textures = {picture->depth, picture->depth},
-                                           .texel_buffers = {meshes ? meshes : instances, instances},
-                                           .store_buffers = {list},
-                                           .store_images = {picture->mask_stores}}};
+  gpu_bindings_info reads[steps] = {[LIST] = {.textures = {picture->mask}},
+                                    [RAYS] = {.textures = {picture->depth, picture->depth},
+                                              .texel_buffers = {meshes ? meshes : instances, instances},
+                                              .store_images = {picture->mask_stores}},
+                                    [SHARE] = {.textures = {picture->mask, picture->depth}},
+                                    [STORE] = {.store_images = {picture->mask_stores}}};
   csm_result result = CSM_SUCCESS;
-  for (uint32_t i = 0; i < steps && !result; ++i)
+  for (uint32_t i = 0; i < state->runs && !result; ++i) {
+    reads[i].name = names[i];
+    reads[i].program = state->programs[i];
+    reads[i].constants[0] = reads[i].constants[1] = constants;
+    reads[i].store_buffers[0] = list;
     result = inputs_find(&state->inputs[i], run->device, &reads[i], &state->reads[i]);
+  }
   return result;
 }
 
@@ -260,13 +261,14 @@ static bool sends(const technique_run *run) {
 
 static csm_result reserve(void *self, technique_run *run, const ring_range *ring) {
   rays_state *state = self;
-  state->runs = sends(run);
+  const bool shares = plan_shares_rays(run->config) && run->picture->show == CSM_SHOW_VISIBILITY;
+  state->runs = !sends(run) ? 0 : shares ? steps : SHARE;
   state->ring = *ring;
   if (!state->runs)
     return CSM_SUCCESS;
   csm_result result = find_programs(state, run);
   if (!result)
-    result = reserve_list(state, run->device, run->picture);
+    result = reserve_list(state, run);
   if (!result)
     result = reserve_counting(state, run->device);
   return result ? result : reserve_reads(state, run);
@@ -299,10 +301,11 @@ static void record(void *self, const technique_run *run) {
   pass_timer_begin(&state->timer, run, 1);
   gpu_marker_begin(gpu, "rays");
   gpu_copy_buffer(gpu, state->now->buffer, 0, state->ring.buffer, state->ring.offset, list_header);
-  dispatch(state, run, 0, (gpu_dispatch_info){.groups = {across, down, 1}});
-  dispatch(state, run, 1, (gpu_dispatch_info){.groups = {1, 1, 1}});
+  dispatch(state, run, LIST, (gpu_dispatch_info){.groups = {across, down, 1}});
+  dispatch(state, run, GROUPS, (gpu_dispatch_info){.groups = {1, 1, 1}});
   gpu_copy_buffer(gpu, state->now->arguments, 0, state->now->buffer, RAYS_GROUPS * sizeof(uint32_t), arguments_size);
-  dispatch(state, run, 2, (gpu_dispatch_info){.arguments = state->now->arguments});
+  for (uint32_t step = RAYS; step < state->runs; ++step)
+    dispatch(state, run, step, (gpu_dispatch_info){.arguments = state->now->arguments});
   gpu_make_readable(gpu, picture->mask, NULL);
   gpu_copy_buffer(gpu, state->counting->buffer, 0, state->now->buffer, 0, list_header);
   gpu_marker_end(gpu);
