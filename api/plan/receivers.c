@@ -58,6 +58,15 @@ static bool outside_planes(const view_planes *planes, const plan_placed *box) {
   return outside;
 }
 
+/* Whether an instance receives shadows and lies in sight; its box, too, where it receives. */
+static bool is_seen(plan_placed *box, const view_planes *planes, const plan_camera *camera, const plan_scene *scene,
+                    const plan_instance *instance) {
+  if (!plan_receives(instance))
+    return false;
+  place_before(box, camera, scene, instance);
+  return !outside_planes(planes, box);
+}
+
 void plan_view_make(plan_list *out, const plan_camera *camera, const plan_scene *scene, void *memory) {
   *out = (plan_list){0};
   plan_lists lists = {.lists = {out}, .count = 1, .among = scene->receiver_count};
@@ -67,12 +76,10 @@ void plan_view_make(plan_list *out, const plan_camera *camera, const plan_scene 
   for (uint32_t slot = 0; slot < scene->slot_count; ++slot) {
     const plan_instance *instance = &scene->instances[slot];
     plan_placed box;
-    if (!plan_receives(instance))
+    if (!is_seen(&box, &planes, camera, scene, instance))
       continue;
-    place_before(&box, camera, scene, instance);
-    const bool outside = outside_planes(&planes, &box);
-    lists.masks[slot] = !outside;
-    lists.counts[plan_list_key(&lists, instance)] += !outside;
+    lists.masks[slot] = 1;
+    ++lists.counts[plan_list_key(&lists, instance)];
   }
   plan_lists_end(&lists, scene);
 }
@@ -83,10 +90,7 @@ bool plan_sees_receivers(const plan_camera *camera, const plan_scene *scene, dou
   bool seen = false;
   for (uint32_t slot = 0; slot < scene->slot_count && !seen && scene->receiver_count; ++slot) {
     plan_placed box;
-    if (!plan_receives(&scene->instances[slot]))
-      continue;
-    place_before(&box, camera, scene, &scene->instances[slot]);
-    seen = !outside_planes(&planes, &box);
+    seen = is_seen(&box, &planes, camera, scene, &scene->instances[slot]);
   }
   return seen;
 }
@@ -289,10 +293,7 @@ void plan_read_cells(plan_cells *cells, const plan_frame *frame, const plan_area
   for (uint32_t slot = 0; slot < scene->slot_count; ++slot) {
     plan_placed placed;
     receiver_box box;
-    if (!plan_receives(&scene->instances[slot]))
-      continue;
-    place_before(&placed, &frame->camera, scene, &scene->instances[slot]);
-    if (outside_planes(&planes, &placed))
+    if (!is_seen(&placed, &planes, &frame->camera, scene, &scene->instances[slot]))
       continue;
     find_box(&box, frame, &placed);
     mark(readers, frame->cascade_count, &box);
