@@ -4,11 +4,10 @@
 #include "csm_enums.h"
 #include "private/mask.hlsl"
 #include "private/mask_inputs_fill.hlsl"
-#include "private/rays.h"
+#include "private/ray_list.hlsl"
 
 Buffer<uint4> csm_meshes : register(t12);
 Buffer<uint4> csm_instances : register(t13);
-RWStructuredBuffer<uint> list : register(u4);
 #if RAYS_MIXED
 #define RAYS_LEVELS 65535.0
 #ifdef VULKAN
@@ -61,11 +60,11 @@ void count(csm_decision d, int2 texel)
 [numthreads(RAYS_THREADS, 1, 1)]
 void main(uint3 group : SV_GroupID, uint thread : SV_GroupIndex)
 {
-    uint index = (group.y * uint(RAYS_MOST_GROUPS) + group.x) * uint(RAYS_THREADS) + thread;
+    uint index = list_index(group, thread);
     if (index < list[RAYS_COUNT])
     {
-        uint pixel = list[RAYS_FIRST + index], last = (1u << uint(RAYS_PLACE_BITS)) - 1u;
-        int2 texel = int2(int(pixel & last), int((pixel >> uint(RAYS_PLACE_BITS)) & last));
+        uint pixel = list[RAYS_FIRST + index];
+        int2 texel = list_texel(pixel);
         float share = float(pixel >> uint(RAYS_SHARE_BIT)) * (1.0 / RAYS_SHARES);
         float2 place = float2(texel) + 0.5;
         inputs = mask_inputs_of(float4(place, 0.0, 1.0));

@@ -2,7 +2,7 @@
 // plane, where chance alone explains how they differ. Each thread takes one; rays_store writes the means into the mask once all
 // of them are known.
 #include "csm_constants.h"
-#include "private/rays.h"
+#include "private/ray_list.hlsl"
 
 cbuffer cascades_block : register(b0)
 {
@@ -15,7 +15,6 @@ cbuffer mask_block : register(b1)
 Texture2D<float> mask : register(t0);
 Texture2D<float> camera_depth : register(t1);
 SamplerState csm_point : register(s0);
-RWStructuredBuffer<uint> list : register(u4);
 #include "private/depth_steps.hlsl"
 
 // In 255ths, of the pixels on one plane.
@@ -68,11 +67,10 @@ uint mean_of(levels l)
 [numthreads(RAYS_THREADS, 1, 1)]
 void main(uint3 group : SV_GroupID, uint thread : SV_GroupIndex)
 {
-    uint index = (group.y * uint(RAYS_MOST_GROUPS) + group.x) * uint(RAYS_THREADS) + thread, count = list[RAYS_COUNT];
+    uint index = list_index(group, thread), count = list[RAYS_COUNT];
     if (index < count)
     {
-        uint pixel = list[RAYS_FIRST + index], last = (1u << uint(RAYS_PLACE_BITS)) - 1u;
-        int2 texel = int2(int(pixel & last), int((pixel >> uint(RAYS_PLACE_BITS)) & last));
+        int2 texel = list_texel(list[RAYS_FIRST + index]);
         list[RAYS_FIRST + count + index] = mean_of(around(texel));
     }
 }
