@@ -89,14 +89,10 @@ static bool other_layers(const plan_instance *instance, uint32_t layers) {
   return layers && instance->layers && !(instance->layers & layers);
 }
 
-/* Notes a caster in the lists whose areas it meets. */
-static void note(plan_lists *lists, const plan_light_cull *cull, const plan_instance *instance, uint32_t mask,
-                 double begin) {
-  uint32_t *counts = &lists->counts[(size_t)plan_list_key(lists, instance) * lists->count];
+/* Notes where a caster begins in the areas that it meets. */
+static void note(const plan_light_cull *cull, uint32_t mask, double begin) {
   for (; mask; mask &= mask - 1) {
-    const uint32_t list = (uint32_t)__builtin_ctz(mask);
-    plan_area *area = &cull->areas[list];
-    ++counts[list];
+    plan_area *area = &cull->areas[__builtin_ctz(mask)];
     area->first_caster = begin < area->first_caster ? begin : area->first_caster;
   }
 }
@@ -122,8 +118,8 @@ static void cull_block(plan_lists *lists, const plan_light_cull *cull, const pla
     const plan_instance *instance = &scene->instances[first + i];
     if (other_layers(instance, cull->layers) || outside_hull(cull->hull, block, i))
       continue;
-    lists->masks[first + i] = (uint8_t)meets[i];
-    note(lists, cull, instance, (uint32_t)meets[i], block->low[2][i]);
+    lists->masks[first + i] = (uint32_t)meets[i];
+    note(cull, (uint32_t)meets[i], block->low[2][i]);
     if (may_be_off)
       note_rounding(cull, scene, instance, (uint32_t)meets[i], block->high[2][i]);
   }
@@ -169,13 +165,8 @@ void plan_cull_unread(plan_lists *lists, const plan_cells *cells, const plan_lig
     const uint32_t at = slot % PLAN_BLOCK;
     if (at == 0)
       block = find_block(&made, cull, kept, scene, slot);
-    if (!lists->masks[slot])
-      continue;
-    const uint32_t out = unread(cells, block, at, lists->masks[slot]);
-    uint32_t *counts = &lists->counts[(size_t)plan_list_key(lists, &scene->instances[slot]) * lists->count];
-    lists->masks[slot] &= (uint8_t)~out;
-    for (uint32_t rest = out; rest; rest &= rest - 1)
-      --counts[__builtin_ctz(rest)];
+    if (lists->masks[slot])
+      lists->masks[slot] &= ~unread(cells, block, at, lists->masks[slot]);
   }
 }
 

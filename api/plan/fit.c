@@ -355,7 +355,6 @@ void plan_fit_nothing(plan_cascade *cascade, uint32_t index, const double basis[
                                      .texel_size = 1.0,
                                      .depth_range = 1.0},
                             .texel = {1.0, 1.0},
-                            .resolution = plan_resolution(config, index),
-                            .list = cascade->list};
+                            .resolution = plan_resolution(config, index)};
   put_matrices(cascade, (double[]){scale, scale, scale}, origin, basis, config->map_reversed);
 }

@@ -140,6 +140,20 @@ static void cull_and_place(plan_frame *frame, fitted *fitted, const plan_frame_i
   frame->to_light = (const double(*)[12])kept.transforms;
 }
 
+static void note_drawn(plan_frame *frame, const plan_lists *lists) {
+  for (uint32_t slot = 0; slot < frame->slot_count; ++slot)
+    lists->drawn[slot] = (uint8_t)lists->masks[slot];
+  frame->drawn = lists->drawn;
+}
+
+static void make_windows(plan_frame *frame) {
+  frame->window_count = frame->cascade_count;
+  for (uint32_t i = 0; i < frame->window_count; ++i) {
+    frame->windows[i].cascade = i;
+    memcpy(frame->windows[i].to_clip, frame->cascades[i].to_clip, sizeof frame->windows[i].to_clip);
+  }
+}
+
 csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *memory, const char **error) {
   plan_frame frame = {.cascade_count = info->config->cascade_count, .slot_count = info->scene->slot_count};
   fitted fitted;
@@ -148,13 +162,14 @@ csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *m
     return result;
   plan_lists lists = {.count = frame.cascade_count, .sides = true, .among = info->scene->caster_count};
   for (uint32_t i = 0; i < frame.cascade_count; ++i)
-    lists.lists[i] = &frame.cascades[i].list;
+    lists.lists[i] = &frame.windows[i].list;
   plan_lists_begin(&lists, info->scene, memory);
-  frame.drawn = lists.masks;
   if (!frame.unshadowed)
     cull_and_place(&frame, &fitted, info, &lists);
   for (uint32_t i = 0; i < frame.cascade_count && frame.unshadowed; ++i)
     plan_fit_nothing(&frame.cascades[i], i, frame.basis, info->config);
+  note_drawn(&frame, &lists);
+  make_windows(&frame);
   plan_lists_end(&lists, info->scene);
   *out = frame;
   return CSM_SUCCESS;

@@ -36,14 +36,14 @@ static uint64_t add_list(uint64_t hash, const plan_list *list) {
 }
 
 /* The instances are looked at again, for the cache may have gone on to another plan. */
-static uint64_t add_matrices(uint64_t hash, const plan_frame *frame, uint32_t cascade, const plan_scene *scene) {
-  const plan_list *list = &frame->cascades[cascade].list;
+static uint64_t add_matrices(uint64_t hash, const plan_frame *frame, uint32_t window, const plan_scene *scene) {
+  const plan_list *list = &frame->windows[window].list;
   for (uint32_t i = 0; i < list->instance_count; ++i) {
     const plan_instance *instance = &scene->instances[list->instances[i]];
     double to_light[12];
     float matrix[12];
     plan_light_transform(to_light, frame->basis, instance, &scene->meshes[instance->mesh]);
-    plan_light_to_clip(matrix, &frame->cascades[cascade], to_light);
+    plan_light_to_clip(matrix, frame->windows[window].to_clip, to_light);
     hash = add(hash, matrix, sizeof matrix);
   }
   return hash;
@@ -56,9 +56,10 @@ uint64_t plan_hash(const plan_frame *frame, const csm_config *config, const plan
   hash = add(hash, constants, plan_write_constants(constants, frame, config));
   hash = add(hash, frame->camera.position, sizeof frame->camera.position);
   hash = add(hash, frame->origin, sizeof frame->origin);
-  for (uint32_t i = 0; i < frame->cascade_count; ++i) {
+  for (uint32_t i = 0; i < frame->cascade_count; ++i)
     hash = add(hash, &frame->cascades[i].info, sizeof frame->cascades[i].info);
-    hash = add_list(hash, &frame->cascades[i].list);
+  for (uint32_t i = 0; i < frame->window_count; ++i) {
+    hash = add_list(hash, &frame->windows[i].list);
     hash = add_matrices(hash, frame, i, scene);
   }
   return hash;

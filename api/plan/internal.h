@@ -298,7 +298,8 @@ typedef struct plan_lists {
   uint32_t count;
   bool sides;       /* mirrored instances are drawn apart */
   uint32_t among;   /* instances that might be drawn */
-  uint8_t *masks;   /* by slot, a whole number of blocks: bit i is set if list i holds it */
+  uint32_t *masks;  /* by slot, a whole number of blocks: bit i is set if list i holds it */
+  uint8_t *drawn;   /* by slot: room for plan_frame.drawn */
   uint32_t *counts; /* [plan_list_key * count + list]: instances of that key in the list */
 } plan_lists;
 
@@ -309,15 +310,15 @@ static inline uint32_t plan_list_key(const plan_lists *lists, const plan_instanc
 
 /* Lays the lists out in memory of plan_memory_size bytes, all empty. */
 void plan_lists_begin(plan_lists *lists, const plan_scene *scene, void *memory);
-/* Fills every list from masks and counts. */
+/* Fills every list from the masks. */
 void plan_lists_end(plan_lists *lists, const plan_scene *scene);
 
-enum { PLAN_CELLS = 32 }; /* of a map, across and up */
+enum { PLAN_CELLS = 64 }; /* of a map, across and up */
 
 /* Which cells of a map are read. */
 typedef struct plan_cells {
   double begin[2], size[2];  /* where the first begins along right and up in light space, and of each: metres */
-  uint32_t read[PLAN_CELLS]; /* a row's cells, a bit each */
+  uint64_t read[PLAN_CELLS]; /* a row's cells, a bit each */
 } plan_cells;
 /* Whether a box across the light lies over a cell that is read. */
 bool plan_cells_meet(const plan_cells *cells, const double low[2], const double high[2]);
@@ -350,8 +351,8 @@ void plan_stored_transform(double out[12], const plan_instance *instance, const 
 /* The same, to light space. */
 void plan_light_transform(double out[12], const double basis[9], const plan_instance *instance,
                           const plan_bounds *bounds);
-/* Stored positions to a cascade's clip space, from their transform to light space: three rows of four. */
-void plan_light_to_clip(float out[12], const plan_cascade *cascade, const double to_light[12]);
+/* Stored positions to a window's clip space, from their transform to light space: three rows of four. */
+void plan_light_to_clip(float out[12], const double to_clip[12], const double to_light[12]);
 
 /* ---- pixels.c ---- */
 

@@ -12,11 +12,11 @@ static size_t take(size_t *at, size_t count, size_t size) {
 }
 
 typedef struct memory_layout {
-  size_t counts, masks, draws, instances, list_stride, size;
+  size_t counts, masks, drawn, draws, instances, list_stride, size;
 } memory_layout;
 
 /* One for each slot of whole blocks. */
-static size_t mask_bytes(uint32_t slot_count) {
+static size_t mask_count(uint32_t slot_count) {
   return ((size_t)slot_count + PLAN_BLOCK - 1) / PLAN_BLOCK * PLAN_BLOCK;
 }
 
@@ -26,7 +26,8 @@ static memory_layout lay_out(uint32_t slot_count, uint32_t mesh_count, uint32_t 
   memory_layout layout = {0};
   size_t at = 0;
   layout.counts = take(&at, (size_t)keys * list_count, sizeof(uint32_t));
-  layout.masks = take(&at, mask_bytes(slot_count), sizeof(uint8_t));
+  layout.masks = take(&at, mask_count(slot_count), sizeof(uint32_t));
+  layout.drawn = take(&at, slot_count, sizeof(uint8_t));
   layout.draws = take(&at, most_draws, sizeof(plan_draw));
   layout.instances = take(&at, slot_count, sizeof(uint32_t));
   layout.list_stride = at - layout.draws;
@@ -34,8 +35,8 @@ static memory_layout lay_out(uint32_t slot_count, uint32_t mesh_count, uint32_t 
   return layout;
 }
 
-size_t plan_memory_size(uint32_t slot_count, uint32_t mesh_count, uint32_t cascade_count) {
-  return lay_out(slot_count, mesh_count, cascade_count ? cascade_count : 1).size;
+size_t plan_memory_size(uint32_t slot_count, uint32_t mesh_count, uint32_t window_count) {
+  return lay_out(slot_count, mesh_count, window_count ? window_count : 1).size;
 }
 
 void plan_lists_begin(plan_lists *lists, const plan_scene *scene, void *memory) {
@@ -44,8 +45,9 @@ void plan_lists_begin(plan_lists *lists, const plan_scene *scene, void *memory) 
   if (scene->slot_count == 0)
     return;
   lists->counts = (uint32_t *)(base + layout.counts);
-  lists->masks = (uint8_t *)(base + layout.masks);
-  memset(lists->masks, 0, mask_bytes(scene->slot_count));
+  lists->masks = (uint32_t *)(base + layout.masks);
+  lists->drawn = (uint8_t *)(base + layout.drawn);
+  memset(lists->masks, 0, mask_count(scene->slot_count) * sizeof *lists->masks);
   memset(lists->counts, 0, (size_t)scene->mesh_count * 2 * lists->count * sizeof *lists->counts);
   for (uint32_t i = 0; i < lists->count; ++i) {
     lists->lists[i]->draws = (plan_draw *)(base + layout.draws + i * layout.list_stride);
@@ -67,26 +69,32 @@ static void make_draws(plan_lists *lists, uint32_t index, uint32_t mesh_count) {
   }
 }
 
-/* Puts a slot into every list that its mask names. */
-static void place(plan_lists *lists, const plan_scene *scene, uint32_t slot) {
-  uint32_t *places = &lists->counts[(size_t)plan_list_key(lists, &scene->instances[slot]) * lists->count];
-  for (uint32_t mask = lists->masks[slot]; mask; mask &= mask - 1) {
-    const uint32_t list = (uint32_t)__builtin_ctz(mask);
-    lists->lists[list]->instances[places[list]++] = slot;
-  }
+/* The counts that a slot's instance belongs to. */
+static uint32_t *counts_of(const plan_lists *lists, const plan_scene *scene, uint32_t slot) {
+  return &lists->counts[(size_t)plan_list_key(lists, &scene->instances[slot]) * lists->count];
+}
+
+static void count_slots(const plan_lists *lists, const plan_scene *scene) {
+  for (uint32_t slot = 0; slot < scene->slot_count; ++slot)
+    for (uint32_t mask = lists->masks[slot]; mask; mask &= mask - 1)
+      ++counts_of(lists, scene, slot)[__builtin_ctz(mask)];
+}
+
+/* Puts each slot into every list that its mask names. */
+static void place_slots(const plan_lists *lists, const plan_scene *scene) {
+  for (uint32_t slot = 0; slot < scene->slot_count; ++slot)
+    for (uint32_t mask = lists->masks[slot]; mask; mask &= mask - 1) {
+      const uint32_t list = (uint32_t)__builtin_ctz(mask);
+      lists->lists[list]->instances[counts_of(lists, scene, slot)[list]++] = slot;
+    }
 }
 
 void plan_lists_end(plan_lists *lists, const plan_scene *scene) {
+  count_slots(lists, scene);
   for (uint32_t i = 0; i < lists->count; ++i) {
     if (scene->slot_count)
       make_draws(lists, i, scene->mesh_count);
     lists->lists[i]->culled = lists->among - lists->lists[i]->instance_count;
   }
-  uint64_t several; /* masks at a time: most are empty */
-  for (uint32_t first = 0; first < scene->slot_count; first += sizeof several) {
-    memcpy(&several, &lists->masks[first], sizeof several);
-    for (uint32_t i = 0; several && i < sizeof several; ++i)
-      if (lists->masks[first + i])
-        place(lists, scene, first + i);
-  }
+  place_slots(lists, scene);
 }

@@ -49,24 +49,24 @@ void plan_light_transform(double out[12], const double basis[9], const plan_inst
   }
 }
 
-/* A cascade scales and moves light space along its own axes. */
-void plan_light_to_clip(float out[12], const plan_cascade *cascade, const double to_light[12]) {
+/* A window scales and moves light space along its own axes. */
+void plan_light_to_clip(float out[12], const double to_clip[12], const double to_light[12]) {
   for (int row = 0; row < 3; ++row) {
-    const double scale = cascade->to_clip[row * 5], constant[4] = {0.0, 0.0, 0.0, cascade->to_clip[row * 4 + 3]};
+    const double scale = to_clip[row * 5], constant[4] = {0.0, 0.0, 0.0, to_clip[row * 4 + 3]};
     for (int column = 0; column < 4; ++column)
       out[row * 4 + column] = plan_float(scale * to_light[row * 4 + column] + constant[column]);
   }
 }
 
-void plan_write_cascade_matrices(float *out, const plan_frame *frame, uint32_t cascade, const plan_scene *scene) {
-  const plan_cascade *of = &frame->cascades[cascade];
+void plan_write_window_matrices(float *out, const plan_frame *frame, uint32_t window, const plan_scene *scene) {
+  const plan_window *of = &frame->windows[window];
   for (uint32_t i = 0; i < of->list.instance_count; ++i) {
     const uint32_t slot = of->list.instances[i];
     const plan_instance *instance = &scene->instances[slot];
     double made[12];
     if (!frame->to_light)
       plan_light_transform(made, frame->basis, instance, &scene->meshes[instance->mesh]);
-    plan_light_to_clip(&out[(size_t)i * 12], of, frame->to_light ? frame->to_light[slot] : made);
+    plan_light_to_clip(&out[(size_t)i * 12], of->to_clip, frame->to_light ? frame->to_light[slot] : made);
   }
 }
 

@@ -174,7 +174,7 @@ typedef struct plan_draw {
   uint32_t mirrored; /* all of them; 0 in a camera's list */
 } plan_draw;
 
-/* What one cascade, or the camera, draws. */
+/* What one window, or the camera, draws. */
 typedef struct plan_list {
   uint32_t *instances; /* slots, ordered by mesh, then by side, then by slot */
   plan_draw *draws;
@@ -233,8 +233,14 @@ typedef struct plan_cascade {
   uint32_t resolution;
   double to_clip[12]; /* light space (right, up, along, relative to the world's origin) to clip: three rows of four */
   double shift;       /* metres towards the light by which receivers are moved before they are compared */
-  plan_list list;
 } plan_cascade;
+
+/* What is drawn at one go: a cascade's whole map, of cascade i in window i. */
+typedef struct plan_window {
+  uint32_t cascade;
+  double to_clip[12]; /* as plan_cascade's */
+  plan_list list;
+} plan_window;
 
 typedef struct plan_frame {
   plan_camera camera;
@@ -249,6 +255,8 @@ typedef struct plan_frame {
   double shadow_end; /* view depth in metres where shadows end; depth samples may end the last cascade before */
   bool unshadowed;   /* the near plane is at or beyond the end of shadows: nothing is drawn, and no point is in a map */
   plan_cascade cascades[CSM_MAX_CASCADES];
+  uint32_t window_count;
+  plan_window windows[CSM_MAX_CASCADES];
   const uint8_t *drawn; /* by slot: bit i is set if cascade i draws it; NULL if there are no slots */
   uint32_t slot_count;
   const double (*to_light)[12]; /* by slot: what the cache keeps, until it is used again; NULL: nothing */
@@ -287,8 +295,8 @@ typedef struct plan_frame_info {
   uint32_t jitter; /* the frame's number, which says where maps begin with history_jitter */
 } plan_frame_info;
 
-/* Bytes of memory, aligned to 16, that a plan of so many slots, meshes and cascades (0 for a camera's) needs. */
-size_t plan_memory_size(uint32_t slot_count, uint32_t mesh_count, uint32_t cascade_count);
+/* Bytes of memory, aligned to 16, that a plan of so many slots, meshes and windows (0 for a camera's) needs. */
+size_t plan_memory_size(uint32_t slot_count, uint32_t mesh_count, uint32_t window_count);
 
 /*
  * Plans the cascades. Preconditions: the configuration is checked, every instance has passed plan_instance_check, its
@@ -325,9 +333,9 @@ typedef struct plan_pixel {
  */
 double plan_convert_depth(const plan_camera *from, const plan_camera *to, const plan_pixel *pixel);
 
-/* Object to clip of every instance in the list: three float4 rows each (12 floats); w is 1. Precondition: the cache that
-   the frame was planned with has not been used since. */
-void plan_write_cascade_matrices(float *out, const plan_frame *frame, uint32_t cascade, const plan_scene *scene);
+/* Object to clip of every instance in a window's list: three float4 rows each (12 floats); w is 1. Precondition: the cache
+   that the frame was planned with has not been used since. */
+void plan_write_window_matrices(float *out, const plan_frame *frame, uint32_t window, const plan_scene *scene);
 /* Object to clip: four float4 rows each (16 floats). */
 void plan_write_view_matrices(float *out, const plan_list *list, const plan_camera *camera, const plan_scene *scene);
 

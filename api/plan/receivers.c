@@ -79,7 +79,6 @@ void plan_view_make(plan_list *out, const plan_camera *camera, const plan_scene 
     if (!is_seen(&box, &planes, camera, scene, instance))
       continue;
     lists.masks[slot] = 1;
-    ++lists.counts[plan_list_key(&lists, instance)];
   }
   plan_lists_end(&lists, scene);
 }
@@ -99,7 +98,8 @@ bool plan_sees_receivers(const plan_camera *camera, const plan_scene *scene, dou
 
 /* Cells that a box meets: rows from the first to the last, and in each of them these columns. */
 typedef struct cell_rect {
-  uint32_t first, last, columns;
+  uint32_t first, last;
+  uint64_t columns;
 } cell_rect;
 
 static bool find_cells(cell_rect *out, const plan_cells *cells, const double low[2], const double high[2]) {
@@ -115,7 +115,7 @@ static bool find_cells(cell_rect *out, const plan_cells *cells, const double low
   const uint32_t from = (uint32_t)first[0], to = (uint32_t)last[0];
   out->first = (uint32_t)first[1];
   out->last = (uint32_t)last[1];
-  out->columns = UINT32_MAX >> (PLAN_CELLS - 1 - (to - from)) << from;
+  out->columns = UINT64_MAX >> (PLAN_CELLS - 1 - (to - from)) << from;
   return true;
 }
 
@@ -134,8 +134,8 @@ typedef struct reader {
   double depths[2];                             /* receivers between these view depths */
   double room;                                  /* so many metres around them */
   double held[2];                               /* what lies between, along the light, is in the map's range */
-  uint32_t seen[PLAN_CELLS];                    /* cells that the camera's sight meets, with that room */
-  uint32_t finer[CSM_MAX_CASCADES][PLAN_CELLS]; /* those that a finer map, by cascade, holds with that room */
+  uint64_t seen[PLAN_CELLS];                    /* cells that the camera's sight meets, with that room */
+  uint64_t finer[CSM_MAX_CASCADES][PLAN_CELLS]; /* those that a finer map, by cascade, holds with that room */
 } reader;
 
 /* What the readers of a frame follow from. */
@@ -204,9 +204,9 @@ static void note_cell(reader *out, const reading *of, const plan_hull *hull, uin
     low[axis] = out->cells->begin[axis] + at[axis] * out->cells->size[axis];
     high[axis] = low[axis] + out->cells->size[axis];
   }
-  out->seen[at[1]] |= (uint32_t)!plan_outside_hull(hull, low, high) << at[0];
+  out->seen[at[1]] |= (uint64_t)!plan_outside_hull(hull, low, high) << at[0];
   for (uint32_t i = 0; i < finer; ++i)
-    out->finer[i][at[1]] |= (uint32_t)within(&of->areas[i], low, high, out->room + of->borders[i]) << at[0];
+    out->finer[i][at[1]] |= (uint64_t)within(&of->areas[i], low, high, out->room + of->borders[i]) << at[0];
 }
 
 /* What lies in a map's range along the light, but for what is near its ends. */
@@ -269,9 +269,9 @@ static void mark(const reader *readers, uint32_t count, const receiver_box *box)
     if (box->depths[0] > to->depths[1] || box->depths[1] < to->depths[0] || !find_cells(&rect, to->cells, low, high))
       continue;
     for (uint32_t y = rect.first; y <= rect.last; ++y) {
-      uint32_t read = to->seen[y] & rect.columns;
+      uint64_t read = to->seen[y] & rect.columns;
       for (uint32_t k = 0; k < i; ++k)
-        read &= held[k] ? ~to->finer[k][y] : UINT32_MAX;
+        read &= held[k] ? ~to->finer[k][y] : UINT64_MAX;
       to->cells->read[y] |= read;
     }
   }

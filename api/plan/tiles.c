@@ -45,14 +45,14 @@ void plan_seen_tiles(uint8_t *tiles, const plan_frame *frame, const csm_config *
 /* Whether a cascade draws what it drew, seen from the same side. */
 static bool same_casters(const plan_frame *before, const plan_frame *now, uint32_t cascade, const plan_scene *scene,
                          uint64_t revision) {
-  const plan_cascade *a = &before->cascades[cascade], *b = &now->cascades[cascade];
+  const plan_list *a = &before->windows[cascade].list, *b = &now->windows[cascade].list;
   if (before->unshadowed || now->unshadowed || cascade >= before->cascade_count ||
-      a->list.instance_count != b->list.instance_count || a->list.draw_count != b->list.draw_count ||
+      a->instance_count != b->instance_count || a->draw_count != b->draw_count ||
       memcmp(before->basis, now->basis, sizeof now->basis) != 0)
     return false;
-  for (uint32_t i = 0; i < b->list.instance_count; ++i) {
-    const uint32_t slot = b->list.instances[i];
-    if (a->list.instances[i] != slot || scene->revisions[slot] > revision)
+  for (uint32_t i = 0; i < b->instance_count; ++i) {
+    const uint32_t slot = b->instances[i];
+    if (a->instances[i] != slot || scene->revisions[slot] > revision)
       return false;
   }
   return true;

@@ -57,11 +57,11 @@ static VkResult upload_matrices(floor_loop *loop) {
   VkDeviceSize size = 0;
   for (uint32_t i = 0; i < frame->cascade_count; ++i) {
     loop->matrices_offsets[i] = size;
-    size += (VkDeviceSize)frame->cascades[i].list.instance_count * floor_matrix_bytes;
+    size += (VkDeviceSize)frame->windows[i].list.instance_count * floor_matrix_bytes;
   }
   const VkResult result = vulkan_buffer_open(&loop->matrices, &loop->vulkan, size, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT);
   for (uint32_t i = 0; i < frame->cascade_count && !result; ++i)
-    plan_write_cascade_matrices((float *)((char *)loop->matrices.mapped + loop->matrices_offsets[i]), frame, i,
+    plan_write_window_matrices((float *)((char *)loop->matrices.mapped + loop->matrices_offsets[i]), frame, i,
                                 loop->info.plan_scene);
   return result;
 }
@@ -200,7 +200,7 @@ static void record_clear(const floor_loop *loop, uint32_t target) {
 
 static void record_draws(const floor_loop *loop, uint32_t cascade) {
   const VkCommandBuffer commands = loop->commands.buffer;
-  const plan_list *list = &loop->info.frame->cascades[cascade].list;
+  const plan_list *list = &loop->info.frame->windows[cascade].list;
   const floor_casters *casters = &loop->casters;
   VkPipeline current = VK_NULL_HANDLE;
   for (uint32_t i = 0; i < list->draw_count; ++i) {

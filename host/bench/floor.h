@@ -16,7 +16,7 @@ typedef enum floor_moments { FLOOR_DEPTH = 0, FLOOR_VSM = 2, FLOOR_EVSM4 = 4 } f
 typedef struct floor_info {
   const scene *scene;
   const plan_frame *frame;      /* its lists name the scene's meshes by index */
-  const plan_scene *plan_scene; /* what the frame was planned from, for plan_write_cascade_matrices */
+  const plan_scene *plan_scene; /* what the frame was planned from, for plan_write_window_matrices */
   uint32_t resolution;          /* of each map, in texels a side; D32 */
   floor_moments moments;        /* of one layer of depth, with the exponents of drawn_moments.h */
   const char *device;           /* part of a device's name, or NULL for the first discrete, integrated, virtual, CPU */

@@ -97,7 +97,7 @@ estimate bench_plan_time(bench_plan *plan, const host_setup *setup, uint32_t cou
     const double start = host_now_ms();
     plan_once(plan, setup);
     for (uint32_t k = 0; k < plan->frame.cascade_count; k++)
-      plan_write_cascade_matrices(plan->matrices, &plan->frame, k, &plan->scene);
+      plan_write_window_matrices(plan->matrices, &plan->frame, k, &plan->scene);
     plan_write_constants(constants, &plan->frame, &setup->config);
     samples[i] = host_now_ms() - start;
   }

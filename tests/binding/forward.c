@@ -230,7 +230,7 @@ static bool make_plan(bench *b, const csm_config *config) {
                             &(plan_picture){.camera = &b->frame.camera, .width = WIDTH, .height = HEIGHT}, config);
   plan_write_view_matrices((float *)(upload + AT_VIEW), &b->view, &b->frame.camera, &b->scene);
   for (uint32_t i = 0; i < CASCADES; ++i)
-    plan_write_cascade_matrices((float *)(upload + AT_MATRICES + i * MATRICES_BYTES), &b->frame, i, &b->scene);
+    plan_write_window_matrices((float *)(upload + AT_MATRICES + i * MATRICES_BYTES), &b->frame, i, &b->scene);
   return true;
 }
 
@@ -411,7 +411,7 @@ static void record_depths(bench *b) {
   };
   draw_list_info list = {.programs = {&b->cascade_depth}, .meshes = meshes, .matrices = b->upload, .rows = MAP_ROWS};
   for (uint32_t i = 0; i < CASCADES; ++i) {
-    list.list = &b->frame.cascades[i].list;
+    list.list = &b->frame.windows[i].list;
     list.offset = AT_MATRICES + i * MATRICES_BYTES;
     record_list(b, b->map_targets[i], 1.0f, &list);
   }

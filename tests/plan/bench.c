@@ -116,8 +116,8 @@ static uint64_t plan(const bench *b, side *side, bool cached, int frame) {
     stop(error);
   uint64_t drawn = 0;
   for (uint32_t c = 0; c < made.cascade_count; ++c) {
-    plan_write_cascade_matrices(b->matrices, &made, c, &scene);
-    drawn += made.cascades[c].list.instance_count;
+    plan_write_window_matrices(b->matrices, &made, c, &scene);
+    drawn += made.windows[c].list.instance_count;
   }
   return drawn;
 }

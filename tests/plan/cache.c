@@ -116,7 +116,7 @@ static void assert_same_plans(const world *w, const csm_config *config, const pl
   if (a->slot_count)
     assert_memory_equal(a->drawn, b->drawn, a->slot_count);
   for (uint32_t c = 0; c < a->cascade_count; ++c) {
-    const plan_list *one = &a->cascades[c].list, *other = &b->cascades[c].list;
+    const plan_list *one = &a->windows[c].list, *other = &b->windows[c].list;
     assert_memory_equal(&a->cascades[c].info, &b->cascades[c].info, sizeof a->cascades[c].info);
     assert_memory_equal(a->cascades[c].to_clip, b->cascades[c].to_clip, sizeof a->cascades[c].to_clip);
     assert_int_equal(one->instance_count, other->instance_count);
@@ -130,7 +130,7 @@ static void assert_same_plans(const world *w, const csm_config *config, const pl
 static void check_drawn(const plan_frame *frame) {
   for (uint32_t slot = 0; slot < frame->slot_count; ++slot)
     for (uint32_t c = 0; c < CSM_MAX_CASCADES; ++c) {
-      const plan_list *list = &frame->cascades[c].list;
+      const plan_list *list = &frame->windows[c].list;
       bool listed = false;
       for (uint32_t i = 0; i < list->instance_count; ++i)
         listed |= list->instances[i] == slot;
@@ -170,7 +170,7 @@ static void check_warm_plans(uint64_t seed, uint32_t least, uint32_t bursts) {
     assert_same_plans(&w, &config, &cold, &warm);
     assert_true(!w.store.ids.count || (cache.keeps && cache.revision == w.store.revision));
     check_drawn(&warm);
-    drawn += warm.cascades[1].list.instance_count;
+    drawn += warm.windows[1].list.instance_count;
   }
   assert_true(drawn > 1000);
   free(cache.memory);

@@ -65,8 +65,8 @@ static void keeps_all_that_casts_into_a_map(void **state) {
     for (uint32_t c = 0; c < made.frame.cascade_count; ++c) {
       const plan_cascade *cascade = &made.frame.cascades[c];
       bool listed[instances];
-      is_listed(&cascade->list, instances, listed);
-      check_list(&cascade->list, &scene.scene);
+      is_listed(&made.frame.windows[c].list, instances, listed);
+      check_list(&made.frame.windows[c].list, &scene.scene);
       const double half = 0.5 / config.resolution;
       for (uint32_t k = 0; k < instances; ++k) {
         bool casts = false;
@@ -100,7 +100,7 @@ static void culls_what_is_outside(void **state) {
     for (uint32_t c = 0; c < made.frame.cascade_count; ++c) {
       const plan_cascade *cascade = &made.frame.cascades[c];
       bool listed[instances];
-      is_listed(&cascade->list, instances, listed);
+      is_listed(&made.frame.windows[c].list, instances, listed);
       for (uint32_t k = 0; k < instances; ++k) {
         double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
         for (int p = 0; p < 8; ++p) {
@@ -143,7 +143,7 @@ static void keeps_casters_before_the_near_plane(void **state) {
     assert_int_equal(plan_made(&frame, &config, &(test_shot){view, projection, camera_reversed(&camera), direction},
                                &scene.scene, scene.memory, &error),
                      CSM_SUCCESS);
-    assert_int_equal(frame.cascades[0].list.instance_count, 1);
+    assert_int_equal(frame.windows[0].list.instance_count, 1);
     double at[3];
     transform_point(frame.cascades[0].info.world_to_shadow, below, at);
     assert_true(at[2] > 0.0 && at[2] < 1.0);
@@ -232,9 +232,9 @@ static void an_empty_scene_draws_nothing(void **state) {
   const test_camera camera = plain_camera();
   const plan_frame frame = plan_empty(&config, &camera, (double[]){0, -1, 0});
   for (uint32_t c = 0; c < frame.cascade_count; ++c) {
-    assert_int_equal(frame.cascades[c].list.instance_count, 0);
-    assert_int_equal(frame.cascades[c].list.draw_count, 0);
-    assert_int_equal(frame.cascades[c].list.culled, 0);
+    assert_int_equal(frame.windows[c].list.instance_count, 0);
+    assert_int_equal(frame.windows[c].list.draw_count, 0);
+    assert_int_equal(frame.windows[c].list.culled, 0);
   }
   plan_list list;
   plan_view_make(&list, &frame.camera, &(plan_scene){0}, NULL);
@@ -261,9 +261,9 @@ static void takes_points_and_crowds(void **state) {
                              &(test_shot){view, projection, camera_reversed(&camera), (double[]){0, -1, 0}},
                              &scene.scene, scene.memory, &error),
                    CSM_SUCCESS);
-  assert_int_equal(frame.cascades[0].list.instance_count, 1000000);
-  assert_int_equal(frame.cascades[0].list.draw_count, 3);
-  check_list(&frame.cascades[0].list, &scene.scene);
+  assert_int_equal(frame.windows[0].list.instance_count, 1000000);
+  assert_int_equal(frame.windows[0].list.draw_count, 3);
+  check_list(&frame.windows[0].list, &scene.scene);
   scene_free(&scene);
 }
 
@@ -293,7 +293,7 @@ static void needs_no_more_memory_than_it_says(void **state) {
                                  &scene.scene, scene.memory, &error),
                        CSM_SUCCESS);
       for (uint32_t c = 0; c < count; ++c)
-        check_list(&frame.cascades[c].list, &scene.scene);
+        check_list(&frame.windows[c].list, &scene.scene);
       free(scene.memory);
       scene.memory = malloc(plan_memory_size(instances, mesh_count, 0));
       plan_list list;

@@ -276,7 +276,7 @@ static void receivers_and_casters_lie_in_the_range(void **state) {
         assert_true(depth - made.frame.cascades[c].shift / info->depth_range >= -least && depth <= 1.0 + least);
         nearest = fmin(nearest, depth);
       }
-      const plan_list *list = &made.frame.cascades[c].list;
+      const plan_list *list = &made.frame.windows[c].list;
       for (uint32_t k = 0; k < list->instance_count; ++k) {
         double p[3];
         for (int axis = 0; axis < 3; ++axis)
@@ -295,7 +295,7 @@ static void receivers_and_casters_lie_in_the_range(void **state) {
 /* The lists' memory is the next plan's too, so what is to be compared is counted before. */
 static void count_listed(uint32_t listed[CSM_MAX_CASCADES], const plan_frame *frame) {
   for (uint32_t c = 0; c < frame->cascade_count; ++c)
-    listed[c] = frame->cascades[c].list.instance_count;
+    listed[c] = frame->windows[c].list.instance_count;
 }
 
 /* What becomes of casters before the near plane is the rasteriser's matter: a range that is resolved is the same. */
@@ -316,7 +316,7 @@ static void clipping_casters_changes_no_range(void **state) {
       if (info->depth_range > 0x1p19 * info->texel_size)
         continue;
       assert_memory_equal(info, &clamped.cascades[c].info, sizeof clamped.cascades[c].info);
-      assert_int_equal(made.frame.cascades[c].list.instance_count, listed[c]);
+      assert_int_equal(made.frame.windows[c].list.instance_count, listed[c]);
     }
   }
   scene_free(&scene);
@@ -370,7 +370,7 @@ static void reversed_maps_hold_one_minus_the_depth(void **state) {
       assert_true(a->info.texel_size == b->info.texel_size && a->info.depth_range == b->info.depth_range);
       assert_memory_equal(a->texel, b->texel, sizeof a->texel);
       assert_memory_equal(a->origin_texels, b->origin_texels, sizeof a->origin_texels);
-      assert_int_equal(listed[c], b->list.instance_count);
+      assert_int_equal(listed[c], made.frame.windows[c].list.instance_count);
       check_reversed(&random, &plain, &made.frame, c);
     }
   }

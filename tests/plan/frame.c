@@ -84,8 +84,8 @@ static void only_those_that_cast_for_the_light_are_drawn(void **state) {
     info.scene = &some.scene;
     assert_int_equal(plan_traced(&expected, &info, some.memory, &error), CSM_SUCCESS);
     for (uint32_t c = 0; c < config.cascade_count; ++c) {
-      const plan_list *list = &frame.cascades[c].list;
-      assert_same_list(list, &expected.cascades[c].list, slots);
+      const plan_list *list = &frame.windows[c].list;
+      assert_same_list(list, &expected.windows[c].list, slots);
       assert_memory_equal(&frame.cascades[c].info, &expected.cascades[c].info, sizeof frame.cascades[c].info);
       assert_int_equal(list->culled, all.scene.caster_count - list->instance_count);
       drawn += list->instance_count;
@@ -259,8 +259,8 @@ static void far_vertices_are_drawn_as_near_ones(void **state) {
     const char *error = "";
     const plan_frame_info info = info_of(&config, (const double(*)[16])matrices, &scene.scene);
     assert_int_equal(plan_traced(&frame, &info, scene.memory, &error), CSM_SUCCESS);
-    plan_write_cascade_matrices(cascade, &frame, 1, &scene.scene);
-    assert_int_equal(frame.cascades[1].list.instance_count, 1);
+    plan_write_window_matrices(cascade, &frame, 1, &scene.scene);
+    assert_int_equal(frame.windows[1].list.instance_count, 1);
     plan_view_make(&list, &frame.camera, &scene.scene, scene.memory);
     assert_int_equal(list.instance_count, 1);
     plan_write_view_matrices(view, &list, &frame.camera, &scene.scene);
@@ -302,8 +302,8 @@ static void a_scene_of_any_size_has_a_range(void **state) {
         const double range = frame.cascades[c].info.depth_range;
         assert_true(isfinite((float)range) && isnormal((float)(1.0 / range)));
         float rows[24];
-        plan_write_cascade_matrices(rows, &frame, c, &scene.scene);
-        for (uint32_t k = 0; k < frame.cascades[c].list.instance_count * 12; ++k)
+        plan_write_window_matrices(rows, &frame, c, &scene.scene);
+        for (uint32_t k = 0; k < frame.windows[c].list.instance_count * 12; ++k)
           assert_true(isfinite(rows[k]));
       }
       scene_free(&scene);

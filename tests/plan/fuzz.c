@@ -55,8 +55,8 @@ static void check_cascades(const plan_frame *frame) {
     assert_true(isfinite(info->texel_size) && info->texel_size > 0.0);
     assert_true(isfinite(info->depth_range) && info->depth_range > 0.0);
     assert_true(plan_finite(info->world_to_shadow, 16) && plan_finite(frame->cascades[c].to_clip, 12));
-    assert_int_equal(frame->cascades[c].list.instance_count + frame->cascades[c].list.culled, instances);
-    assert_true(!frame->unshadowed || frame->cascades[c].list.instance_count == 0);
+    assert_int_equal(frame->windows[c].list.instance_count + frame->windows[c].list.culled, instances);
+    assert_true(!frame->unshadowed || frame->windows[c].list.instance_count == 0);
     last = info->far_depth;
   }
 }
@@ -67,8 +67,8 @@ static void check_frame(const plan_frame *frame, const csm_config *config, const
   check_cascades(frame);
   for (uint32_t c = 0; c < frame->cascade_count; ++c) {
     double matrix[16], planes[5][4];
-    plan_write_cascade_matrices(floats, frame, c, &scene->scene);
-    assert_finite(floats, frame->cascades[c].list.instance_count * 12);
+    plan_write_window_matrices(floats, frame, c, &scene->scene);
+    assert_finite(floats, frame->windows[c].list.instance_count * 12);
     plan_cascade_volume(frame, c, matrix, planes);
     assert_true(plan_finite(matrix, 16) && plan_finite(planes[0], 20));
   }

@@ -58,7 +58,7 @@ static void a_very_tall_view_has_a_hull(void **state) {
   if (plan_made(&frame, &config, &(test_shot){view, projection, CSM_REVERSED_BY_MATRIX, (double[]){-10.0, -7.0, 0.0}},
                 &scene.scene, scene.memory, &error))
     fail_msg("%s", error);
-  assert_int_equal(frame.cascades[0].list.instance_count, 1);
+  assert_int_equal(frame.windows[0].list.instance_count, 1);
   scene_free(&scene);
 }
 

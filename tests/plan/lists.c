@@ -85,7 +85,7 @@ static void sides_are_apart_in_a_cascade(void **state) {
                                  &scene.scene, scene.memory, &error),
                        0);
       for (uint32_t c = 0; c < frame.cascade_count; ++c) {
-        const plan_list *list = &frame.cascades[c].list;
+        const plan_list *list = &frame.windows[c].list;
         check_draws(list, &scene.scene, true);
         listed(list, cull ? with : without[c]);
         if (cull)
@@ -146,8 +146,8 @@ static void memory_holds_as_many_draws_as_there_can_be(void **state) {
                              &scene.scene, scene.memory, &error),
                    CSM_SUCCESS);
   for (uint32_t c = 0; c < CSM_MAX_CASCADES; ++c) {
-    assert_int_equal(frame.cascades[c].list.draw_count, count);
-    check_draws(&frame.cascades[c].list, &scene.scene, true);
+    assert_int_equal(frame.windows[c].list.draw_count, count);
+    check_draws(&frame.windows[c].list, &scene.scene, true);
   }
   scene_free(&scene);
 }

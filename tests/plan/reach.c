@@ -71,7 +71,7 @@ static double clearance(const plan_frame *frame, const csm_config *config, uint3
   const double slope = hypot(along[0], along[2]) / fabs(along[1]);
   float rows[12];
   double drawn[3][3], at[3];
-  plan_write_cascade_matrices(rows, frame, c, &scene->scene);
+  plan_write_window_matrices(rows, frame, c, &scene->scene);
   for (int i = 0; i < 3; ++i)
     draw_vertex(drawn[i], rows, corners[i]);
   transform_point(map->info.world_to_shadow, (double[]){frame->camera.position[0], 0.0, frame->camera.position[2]}, at);
@@ -232,7 +232,7 @@ static void no_range_is_longer_than_its_format_resolves(void **state) {
         assert_true(depth >= -1e-9 && depth <= 1.0 + 1e-9);
     }
     /* What is towards the light is drawn all the same, however far away. */
-    const plan_list *last = &frame.cascades[frame.cascade_count - 1].list;
+    const plan_list *last = &frame.windows[frame.window_count - 1].list;
     bool above = false;
     for (uint32_t k = 0; k < last->instance_count; ++k)
       above |= last->instances[k] == 1;

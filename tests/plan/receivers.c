@@ -111,7 +111,7 @@ static void keeps_what_filters_read_beside_the_view(void **state) {
     assert_int_equal(plan_made(&frame, &config, &(test_shot){view, projection, camera_reversed(&camera), light},
                                &scene.scene, scene.memory, &error),
                      CSM_SUCCESS);
-    if (!frame.cascades[c].list.instance_count)
+    if (!frame.windows[c].list.instance_count)
       fail_msg("frame %d: a caster that filter %u reads in cascade %u, %g and %g texels away, is not drawn", i,
                config.filter, c, reads.circle, reads.square);
     ++kept;
@@ -272,7 +272,7 @@ static void draws_what_is_read_for_receivers(void **state) {
     choose_for(&chooser, &random, &frame, &config, point);
     if (!chooses(&chooser, &config, c))
       continue;
-    if (!frame.cascades[c].list.instance_count)
+    if (!frame.windows[c].list.instance_count)
       fail_msg("frame %d: selection %u, blending %u, fit %u: what is read of cascade %u is not drawn", i,
                config.selection, config.blend_mode, config.fit_mode, c);
     ++read[c];
@@ -284,7 +284,7 @@ static void draws_what_is_read_for_receivers(void **state) {
 static uint32_t plan_drawn(const plan_frame *frame) {
   uint32_t sum = 0;
   for (uint32_t i = 0; i < frame->cascade_count; ++i)
-    sum += frame->cascades[i].list.instance_count;
+    sum += frame->windows[i].list.instance_count;
   return sum;
 }
 

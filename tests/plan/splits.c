@@ -120,7 +120,7 @@ static void check_unshadowed(const plan_frame *frame, const csm_config *config) 
     const csm_cascade_info *info = &frame->cascades[c].info;
     assert_true(info->far_depth < frame->camera.near_depth && info->far_depth < -1e20);
     assert_true(info->near_depth < info->far_depth);
-    assert_int_equal(frame->cascades[c].list.instance_count, 0);
+    assert_int_equal(frame->windows[c].list.instance_count, 0);
     for (int i = 0; i < 50; ++i) {
       double p[3], at[3], clip[16], planes[5][4];
       random_unit(&random, p);

@@ -41,9 +41,9 @@ static void cascade_matrices_agree_with_world_to_shadow(void **state) {
                      CSM_SUCCESS);
     for (uint32_t c = 0; c < frame.cascade_count; ++c) {
       const plan_cascade *cascade = &frame.cascades[c];
-      plan_write_cascade_matrices(matrices, &frame, c, &scene.scene);
-      for (uint32_t k = 0; k < cascade->list.instance_count; ++k) {
-        const uint32_t instance = cascade->list.instances[k];
+      plan_write_window_matrices(matrices, &frame, c, &scene.scene);
+      for (uint32_t k = 0; k < frame.windows[c].list.instance_count; ++k) {
+        const uint32_t instance = frame.windows[c].list.instances[k];
         const plan_bounds *bounds = &scene.meshes[scene.instances[instance].mesh];
         double at[3], object[3], point[3], shadow[3];
         for (int axis = 0; axis < 3; ++axis) {

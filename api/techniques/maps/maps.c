@@ -29,7 +29,7 @@ typedef struct maps_state {
   bool drawn; /* with the present configuration */
   /* of the recording on its way */
   ring_range ring;
-  uint64_t offsets[CSM_MAX_CASCADES]; /* in the ring's buffer, where each cascade's matrices begin */
+  uint64_t offsets[CSM_MAX_CASCADES]; /* in the ring's buffer, where each window's matrices begin */
   /* of the last frame */
   csm_cascade_stats cascades[CSM_MAX_CASCADES];
   pass_timer timer; /* of the clear, of each cascade */
@@ -141,16 +141,16 @@ static void forget(void *self, device *device) {
 
 /* ---- a frame ---- */
 
-/* Bytes of a cascade's matrices, up to where the next one's begin. */
-static uint64_t matrices_bytes(const plan_frame *plan, uint32_t cascade) {
-  const uint64_t bytes = draw_list_bytes(&plan->cascades[cascade].list, CASTER_ROWS);
+/* Bytes of a window's matrices, up to where the next one's begin. */
+static uint64_t matrices_bytes(const plan_frame *plan, uint32_t window) {
+  const uint64_t bytes = draw_list_bytes(&plan->windows[window].list, CASTER_ROWS);
   return (bytes + RING_ALIGNMENT - 1) / RING_ALIGNMENT * RING_ALIGNMENT;
 }
 
 static uint64_t size(const void *self, const technique_run *run) {
   (void)self;
   uint64_t bytes = 0;
-  for (uint32_t i = 0; i < run->plan->cascade_count && !run->plan->unshadowed; ++i)
+  for (uint32_t i = 0; i < run->plan->window_count && !run->plan->unshadowed; ++i)
     bytes += matrices_bytes(run->plan, i);
   return bytes;
 }
@@ -164,9 +164,9 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
 static void write(void *self, const technique_run *run) {
   maps_state *state = self;
   uint64_t offset = 0;
-  for (uint32_t i = 0; i < run->plan->cascade_count && !run->plan->unshadowed; ++i) {
-    if (run->plan->cascades[i].list.instance_count)
-      plan_write_cascade_matrices((float *)((char *)state->ring.memory + offset), run->plan, i, run->scene);
+  for (uint32_t i = 0; i < run->plan->window_count && !run->plan->unshadowed; ++i) {
+    if (run->plan->windows[i].list.instance_count)
+      plan_write_window_matrices((float *)((char *)state->ring.memory + offset), run->plan, i, run->scene);
     state->offsets[i] = state->ring.offset + offset;
     offset += matrices_bytes(run->plan, i);
   }
@@ -197,7 +197,7 @@ static void call_engine(const maps_state *state, const technique_run *run, uint3
 
 static void draw_cascade(const maps_state *state, const technique_run *run, uint32_t cascade) {
   const gpu gpu = run->device->gpu;
-  const plan_list *list = &run->plan->cascades[cascade].list;
+  const plan_list *list = &run->plan->windows[cascade].list;
   const caster_programs *casters = &state->now.casters;
   if (!list->draw_count && !run->frame->draw)
     return;
@@ -220,7 +220,7 @@ static void draw_cascade(const maps_state *state, const technique_run *run, uint
 
 static void count_casters(maps_state *state, const technique_run *run) {
   for (uint32_t i = 0; i < run->plan->cascade_count; ++i) {
-    const plan_list *list = &run->plan->cascades[i].list;
+    const plan_list *list = &run->plan->windows[i].list;
     csm_cascade_stats *stats = &state->cascades[i];
     stats->casters_drawn = list->instance_count;
     stats->casters_culled = list->culled;
