@@ -260,8 +260,10 @@ typedef struct gpu_imported {
  */
 typedef struct gpu_native_image {
   uint64_t image, view;
-  uint64_t sampler;          /* GPU_SAMPLER_COMPARE_LESS_EQUAL; D3D12: 0, as below */
-  uint64_t sampler_reversed; /* GPU_SAMPLER_COMPARE_GREATER_EQUAL */
+  uint64_t sampler;                 /* GPU_SAMPLER_COMPARE_LESS_EQUAL; D3D12: 0, as below */
+  uint64_t sampler_reversed;        /* GPU_SAMPLER_COMPARE_GREATER_EQUAL */
+  uint64_t sampler_repeat;          /* GPU_SAMPLER_COMPARE_LESS_EQUAL_REPEAT */
+  uint64_t sampler_repeat_reversed; /* GPU_SAMPLER_COMPARE_GREATER_EQUAL_REPEAT */
 } gpu_native_image;
 
 /* A part of an image as shaders see it: an array if the image is one, for Direct3D 12 has no other views of an array's
@@ -302,7 +304,7 @@ typedef struct gpu_attribute {
   uint32_t offset; /* a multiple of 4 */
 } gpu_attribute;
 
-/* All clamp to the edge. */
+/* All clamp to the edge, but for those that repeat. */
 typedef enum gpu_sampler {
   GPU_SAMPLER_POINT_CLAMP,           /* the nearest texel of the nearest level */
   GPU_SAMPLER_LINEAR_CLAMP,          /* linear in the nearest level */
@@ -310,6 +312,9 @@ typedef enum gpu_sampler {
   GPU_SAMPLER_ANISOTROPIC_CLAMP,     /* the same, with up to GPU_MAX_ANISOTROPY samples, or the device's fewer */
   GPU_SAMPLER_COMPARE_LESS_EQUAL,    /* linear, of the first level; 1 where reference <= texel */
   GPU_SAMPLER_COMPARE_GREATER_EQUAL, /* the same; 1 where reference >= texel */
+  GPU_SAMPLER_POINT_REPEAT,
+  GPU_SAMPLER_COMPARE_LESS_EQUAL_REPEAT,
+  GPU_SAMPLER_COMPARE_GREATER_EQUAL_REPEAT,
   GPU_SAMPLER_COUNT
 } gpu_sampler;
 
@@ -421,6 +426,7 @@ typedef struct gpu_pass_info {
   float clear_depth;
   float clear_color[4];       /* of an R32_UINT: a whole number below 2^24 */
   gpu_rect area;              /* all zero: the whole target */
+  gpu_rect clip_space;        /* what clip space covers, though nothing is drawn outside the area; all zero: the area */
   const gpu_bindings *stores; /* what the pass's draws write besides its target; NULL: nothing */
 } gpu_pass_info;
 
@@ -573,7 +579,7 @@ typedef struct gpu_backend {
   /* Begins a pass. Up to pass_end nothing else than what stands here is recorded. */
   void (*pass_begin)(gpu_device *device, const gpu_pass_info *info);
   /* Restricts what follows to a part of the pass's area: clip space covers the part, texel row 0 of it at clip y = +1,
-     and nothing is drawn outside it. In the target's texels. pass_begin covers the pass's area. */
+     and nothing is drawn outside it. In the target's texels. pass_begin covers the pass's area, or its clip_space. */
   void (*pass_area)(gpu_device *device, const gpu_rect *area);
   void (*pass_end)(gpu_device *device);
   /* Forgets what was bound. */

@@ -41,6 +41,18 @@ static void use_attachment(gpu_device *device, const d3d12_attachment *attachmen
   ID3D12GraphicsCommandList_DiscardResource(device->list, attachment->image->resource.handle, &region);
 }
 
+/* What clip space covers, and the part of it that is drawn. */
+static void cover(gpu_device *device, const gpu_rect *space, const gpu_rect *area) {
+  const D3D12_VIEWPORT viewport = {.TopLeftX = (float)space->x,
+                                   .TopLeftY = (float)space->y,
+                                   .Width = (float)space->width,
+                                   .Height = (float)space->height,
+                                   .MaxDepth = 1};
+  const D3D12_RECT scissor = native_rect(area);
+  ID3D12GraphicsCommandList_RSSetViewports(device->list, 1, &viewport);
+  ID3D12GraphicsCommandList_RSSetScissorRects(device->list, 1, &scissor);
+}
+
 void d3d12_pass_begin(gpu_device *device, const gpu_pass_info *info) {
   const gpu_target *target = info->target;
   const bool whole = !info->area.width || (info->area.width == target->width && info->area.height == target->height);
@@ -72,18 +84,11 @@ void d3d12_pass_begin(gpu_device *device, const gpu_pass_info *info) {
   ID3D12GraphicsCommandList_OMSetRenderTargets(device->list, target->color.image ? 1 : 0,
                                                target->color.image ? &color : NULL, FALSE,
                                                target->depth.image ? &depth : NULL);
-  d3d12_pass_area(device, &area);
+  cover(device, info->clip_space.width ? &info->clip_space : &area, &area);
 }
 
 void d3d12_pass_area(gpu_device *device, const gpu_rect *area) {
-  const D3D12_VIEWPORT viewport = {.TopLeftX = (float)area->x,
-                                   .TopLeftY = (float)area->y,
-                                   .Width = (float)area->width,
-                                   .Height = (float)area->height,
-                                   .MaxDepth = 1};
-  const D3D12_RECT scissor = native_rect(area);
-  ID3D12GraphicsCommandList_RSSetViewports(device->list, 1, &viewport);
-  ID3D12GraphicsCommandList_RSSetScissorRects(device->list, 1, &scissor);
+  cover(device, area, area);
 }
 
 void d3d12_pass_end(gpu_device *device) {

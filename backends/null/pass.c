@@ -76,7 +76,7 @@ static bool stores_buffer(const gpu_bindings *stores, const gpu_buffer *buffer) 
 
 static void record_begin(gpu_device *device, const gpu_pass_info *info) {
   static const char *const loads[] = {[GPU_LOAD_KEEP] = "keep", [GPU_LOAD_DISCARD] = "discard"};
-  char depth[32] = "", color[128] = "", area[64] = "";
+  char depth[32] = "", color[128] = "", area[64] = "", space[64] = "";
   if (info->target->info.depth && info->depth_load == GPU_LOAD_CLEAR)
     snprintf(depth, sizeof depth, " depth %g", (double)info->clear_depth);
   else if (info->target->info.depth)
@@ -88,7 +88,10 @@ static void record_begin(gpu_device *device, const gpu_pass_info *info) {
     snprintf(color, sizeof color, " colour %s", loads[info->color_load]);
   if (info->area.width)
     snprintf(area, sizeof area, " area %u %u %u %u", info->area.x, info->area.y, info->area.width, info->area.height);
-  null_record(device, "pass_begin %s%s%s%s", info->target->name, depth, color, area);
+  const gpu_rect *of = &info->clip_space;
+  if (of->width)
+    snprintf(space, sizeof space, " clip %u %u %u %u", of->x, of->y, of->width, of->height);
+  null_record(device, "pass_begin %s%s%s%s%s", info->target->name, depth, color, area, space);
 }
 
 void null_pass_begin(gpu_device *device, const gpu_pass_info *info) {
@@ -105,6 +108,9 @@ void null_pass_begin(gpu_device *device, const gpu_pass_info *info) {
   device->program = NULL;
   device->bound = false;
   null_require(device, lies_in(&all, &device->area), "pass_begin: beyond the target, or empty");
+  if (info->clip_space.width)
+    null_require(device, lies_in(&all, &info->clip_space) && lies_in(&info->clip_space, &device->area),
+                 "pass_begin: clip space leaves out a part of the area, or lies beyond the target");
   const bool whole = device->area.width == all.width && device->area.height == all.height;
   if (on->depth)
     load(device, on->depth, null_piece_at(on->depth, on->depth_layer, on->depth_level), info->depth_load, whole);

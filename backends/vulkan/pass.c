@@ -76,6 +76,19 @@ static void use_stores(gpu_device *device, const gpu_bindings *stores) {
                      false);
 }
 
+/* What clip space covers, and the part of it that is drawn. */
+static void cover(gpu_device *device, const gpu_rect *space, const gpu_rect *area) {
+  /* Texel row 0 is clip y = +1; this very form gives the bits that vkd3d draws. */
+  const VkViewport viewport = {.x = (float)space->x,
+                               .y = (float)space->y + (float)space->height,
+                               .width = (float)space->width,
+                               .height = -(float)space->height,
+                               .maxDepth = 1};
+  const VkRect2D scissor = {.offset = {(int32_t)area->x, (int32_t)area->y}, .extent = {area->width, area->height}};
+  device->vk.CmdSetViewport(device->commands, 0, 1, &viewport);
+  device->vk.CmdSetScissor(device->commands, 0, 1, &scissor);
+}
+
 void vulkan_pass_begin(gpu_device *device, const gpu_pass_info *info) {
   const gpu_target *target = info->target;
   const bool whole = !info->area.width || (info->area.width == target->width && info->area.height == target->height);
@@ -91,19 +104,11 @@ void vulkan_pass_begin(gpu_device *device, const gpu_pass_info *info) {
     rendering_begin(device, info, rect);
   else
     render_pass_begin(device, info, rect);
-  vulkan_pass_area(device, &area);
+  cover(device, info->clip_space.width ? &info->clip_space : &area, &area);
 }
 
 void vulkan_pass_area(gpu_device *device, const gpu_rect *area) {
-  /* Texel row 0 is clip y = +1; this very form gives the bits that vkd3d draws. */
-  const VkViewport viewport = {.x = (float)area->x,
-                               .y = (float)area->y + (float)area->height,
-                               .width = (float)area->width,
-                               .height = -(float)area->height,
-                               .maxDepth = 1};
-  const VkRect2D scissor = {.offset = {(int32_t)area->x, (int32_t)area->y}, .extent = {area->width, area->height}};
-  device->vk.CmdSetViewport(device->commands, 0, 1, &viewport);
-  device->vk.CmdSetScissor(device->commands, 0, 1, &scissor);
+  cover(device, area, area);
 }
 
 void vulkan_pass_end(gpu_device *device) {

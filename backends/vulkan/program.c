@@ -8,18 +8,20 @@ typedef struct sampler_kind {
   VkFilter filter;
   VkSamplerMipmapMode mipmap;
   float max_lod;
-  bool anisotropic, compares;
+  bool anisotropic, compares, repeats;
   VkCompareOp compare;
 } sampler_kind;
 
 static csm_result sampler_create(gpu_device *device, const sampler_kind *kind, VkSampler *out) {
+  const VkSamplerAddressMode mode =
+      kind->repeats ? VK_SAMPLER_ADDRESS_MODE_REPEAT : VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
   const VkSamplerCreateInfo info = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
                                     .magFilter = kind->filter,
                                     .minFilter = kind->filter,
                                     .mipmapMode = kind->mipmap,
-                                    .addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
-                                    .addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
-                                    .addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
+                                    .addressModeU = mode,
+                                    .addressModeV = mode,
+                                    .addressModeW = mode,
                                     .anisotropyEnable = kind->anisotropic,
                                     .maxAnisotropy = (float)device->info.can.max_anisotropy,
                                     .maxLod = kind->max_lod,
@@ -43,6 +45,11 @@ csm_result vulkan_samplers_create(gpu_device *device) {
                                           .compare = VK_COMPARE_OP_LESS_OR_EQUAL},
       [GPU_SAMPLER_COMPARE_GREATER_EQUAL] = {"compare reversed", VK_FILTER_LINEAR, .compares = true,
                                              .compare = VK_COMPARE_OP_GREATER_OR_EQUAL},
+      [GPU_SAMPLER_POINT_REPEAT] = {"repeated point", VK_FILTER_NEAREST, .max_lod = VK_LOD_CLAMP_NONE, .repeats = true},
+      [GPU_SAMPLER_COMPARE_LESS_EQUAL_REPEAT] = {"repeated compare", VK_FILTER_LINEAR, .compares = true,
+                                                 .repeats = true, .compare = VK_COMPARE_OP_LESS_OR_EQUAL},
+      [GPU_SAMPLER_COMPARE_GREATER_EQUAL_REPEAT] = {"repeated compare reversed", VK_FILTER_LINEAR, .compares = true,
+                                                    .repeats = true, .compare = VK_COMPARE_OP_GREATER_OR_EQUAL},
   };
   csm_result result = CSM_SUCCESS;
   for (uint32_t i = 0; result == CSM_SUCCESS && i < GPU_SAMPLER_COUNT; i++)

@@ -217,10 +217,13 @@ uint64_t vulkan_image_bytes(const gpu_image *image) {
 }
 
 void vulkan_image_native(const gpu_device *device, const gpu_image *image, gpu_native_image *out) {
+  const VkSampler *samplers = device->samplers;
   *out = (gpu_native_image){.image = (uint64_t)image->handle,
                             .view = (uint64_t)image->view,
-                            .sampler = (uint64_t)device->samplers[GPU_SAMPLER_COMPARE_LESS_EQUAL],
-                            .sampler_reversed = (uint64_t)device->samplers[GPU_SAMPLER_COMPARE_GREATER_EQUAL]};
+                            .sampler = (uint64_t)samplers[GPU_SAMPLER_COMPARE_LESS_EQUAL],
+                            .sampler_reversed = (uint64_t)samplers[GPU_SAMPLER_COMPARE_GREATER_EQUAL],
+                            .sampler_repeat = (uint64_t)samplers[GPU_SAMPLER_COMPARE_LESS_EQUAL_REPEAT],
+                            .sampler_repeat_reversed = (uint64_t)samplers[GPU_SAMPLER_COMPARE_GREATER_EQUAL_REPEAT]};
 }
 
 void vulkan_image_describe(gpu_device *device, const gpu_image *image, uint64_t descriptor) {

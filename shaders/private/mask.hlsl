@@ -25,7 +25,7 @@ Texture2D<float> camera_depth : register(t1);
 #if (CSM_FILTER >= CSM_FILTER_VSM && CSM_FILTER <= CSM_FILTER_MSM4) || CSM_FILTER == CSM_FILTER_VSSM
 #define MASK_MOMENTS 1
 Texture2DArray<float4> csm_moments : register(t2);
-SamplerState csm_linear : register(s1);
+SamplerState csm_linear : register(s2);
 #endif
 #if MASK_NORMALS && MASK_MOMENTS
 Texture2D<float4> normals : register(t3);
@@ -33,7 +33,8 @@ Texture2D<float4> normals : register(t3);
 Texture2D<float4> normals : register(t2);
 #endif
 SamplerState csm_point : register(s0);
-#define CSM_POINT csm_point
+SamplerState maps_point : register(s1); // repeats where maps do
+#define CSM_POINT maps_point
 
 // What every pixel needs comes with the inputs.
 static mask_inputs inputs;

@@ -11,6 +11,7 @@ typedef struct mask_key {
   uint64_t variant; /* of mask.ps.hlsl or mask_penumbra.ps.hlsl; 0: mask_view.ps.hlsl */
   uint64_t normals;
   uint64_t moments; /* how many levels of them are read: none, one, or more */
+  uint64_t repeats; /* maps go on at their other side */
   uint64_t format;
 } mask_key;
 
@@ -37,8 +38,9 @@ static csm_result make(gpu gpu, const void *about, gpu_program **out) {
       .constants_count = 2,
       .constants_sizes = {MASK_CASCADES_BLOCK, MASK_CAMERA_BLOCK},
       .texture_count = 2 + (key->moments > 0) + (key->normals > 0),
-      .sampler_count = key->moments ? 2 : 1,
-      .samplers = {GPU_SAMPLER_POINT_CLAMP, key->moments > 1 ? GPU_SAMPLER_TRILINEAR_CLAMP : GPU_SAMPLER_LINEAR_CLAMP},
+      .sampler_count = key->moments ? 3 : 2,
+      .samplers = {GPU_SAMPLER_POINT_CLAMP, key->repeats ? GPU_SAMPLER_POINT_REPEAT : GPU_SAMPLER_POINT_CLAMP,
+                   key->moments > 1 ? GPU_SAMPLER_TRILINEAR_CLAMP : GPU_SAMPLER_LINEAR_CLAMP},
       .color_format = (gpu_format)key->format,
       .cull = GPU_CULL_NONE,
   };
@@ -65,6 +67,7 @@ static mask_key key_of(const csm_config *config, bool normals, uint32_t show) {
                     .moments = !moments                    ? 0
                                : config->moment_levels > 1 ? 2
                                                            : 1,
+                    .repeats = config->map_layout == CSM_LAYOUT_PAGES,
                     .format = mask_format(config, show)};
 }
 
