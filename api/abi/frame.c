@@ -81,9 +81,12 @@ static csm_result make_plan(csm_cascades *cascades, const frame_input *input, pl
     result = reserve_cache(cascades, scene);
   if (!result)
     result = host_grow(&context->host, &out->memory, &out->size,
-                       plan_memory_size(scene->slot_count, scene->mesh_count, cascades->config.cascade_count));
+                       plan_memory_size(scene->slot_count, scene->mesh_count, plan_windows_most(&cascades->config)));
   if (result)
     return result;
+  if (frame->draw && plan_has_pages(&cascades->config))
+    return host_fail(&context->host, CSM_ERROR_UNSUPPORTED,
+                     "csm_frame: map_layout pages keeps what it knows of, and draw casts what no instance tells");
   const char *text = "";
   const plan_frame_info info = {.config = &cascades->config,
                                 .view = input->camera.view,
@@ -95,6 +98,7 @@ static csm_result make_plan(csm_cascades *cascades, const frame_input *input, pl
                                 .others_cast = frame->draw != NULL,
                                 .origin = frame->origin,
                                 .scene = scene,
+                                .maps_kept = cascades->drawn,
                                 .all_receivers = only_receivers(context, frame),
                                 .cache = frame->scene ? &cascades->cache : NULL,
                                 .before = &cascades->history,

@@ -107,8 +107,24 @@ static float converted(const technique_image *from, uint32_t x, uint32_t y, floa
   return (float)plan_convert_depth(from->drawn_with, from->read_as, &pixel);
 }
 
+/* A map that is made of pages begins within its layer, and goes on at the other side. */
+static void unpack_pages(const technique_image *from, const unsigned char *rows, uint32_t row_bytes, float *out) {
+  const technique_pages *pages = from->pages;
+  const uint32_t bytes = gpu_format_bytes(from->format), side = from->part.width, page = side / pages->across;
+  for (uint32_t y = 0; y < side; ++y)
+    for (uint32_t x = 0; x < side; ++x) {
+      const uint32_t column = (x + pages->begin[0]) % side, row = (y + pages->begin[1]) % side;
+      const bool valid = pages->valid[row / page] >> column / page & 1;
+      *out++ = valid ? number(rows + (size_t)row * row_bytes + (size_t)column * bytes, from->format) : from->cleared;
+    }
+}
+
 static void unpack(const technique_image *from, const unsigned char *rows, uint32_t row_bytes, float *out) {
   const uint32_t bytes = gpu_format_bytes(from->format), channels = channels_of(from->format);
+  if (from->pages) {
+    unpack_pages(from, rows, row_bytes, out);
+    return;
+  }
   for (uint32_t y = 0; y < from->part.height; ++y) {
     const unsigned char *row = rows + (size_t)(from->part.y + y) * row_bytes + (size_t)from->part.x * bytes;
     for (uint32_t x = 0; x < from->part.width * channels; ++x)

@@ -45,14 +45,25 @@ static uint32_t blocks_of(uint32_t slots) {
 }
 
 size_t plan_cache_size(uint32_t slot_count) {
-  return (size_t)blocks_of(slot_count) * sizeof(plan_light_block) + (size_t)slot_count * 12 * sizeof(double);
+  return (size_t)blocks_of(slot_count) * sizeof(plan_light_block) +
+         (size_t)slot_count * (12 * sizeof(double) + 2 * sizeof(plan_span_across));
+}
+
+/* Boxes that there is room for: where each slot was, and is. */
+static uint32_t changes_most(const plan_cache *cache) {
+  return 2 * cache->slots;
 }
 
 static plan_kept find_kept(const plan_cache *cache) {
   plan_light_block *blocks = cache->memory;
   if (!blocks) /* a scene that has had no instances */
     return (plan_kept){0};
-  return (plan_kept){.blocks = blocks, .transforms = (double(*)[12])(void *)(blocks + blocks_of(cache->slots))};
+  double(*transforms)[12] = (double(*)[12])(void *)(blocks + blocks_of(cache->slots));
+  return (plan_kept){.blocks = blocks, .transforms = transforms, .changed = (void *)(transforms + cache->slots)};
+}
+
+const plan_span_across *plan_cache_changed(const plan_cache *cache) {
+  return find_kept(cache).changed;
 }
 
 static void put_transform(const plan_kept *kept, const double basis[9], const plan_scene *scene, uint32_t slot) {
@@ -61,9 +72,22 @@ static void put_transform(const plan_kept *kept, const double basis[9], const pl
     plan_light_transform(kept->transforms[slot], basis, instance, &scene->meshes[instance->mesh]);
 }
 
-static void put(const plan_kept *kept, const double basis[9], const plan_scene *scene, uint32_t slot) {
-  put_box(&kept->blocks[slot / PLAN_BLOCK], basis, scene, slot);
-  put_transform(kept, basis, scene, slot);
+/* Notes a caster's box among those of what changed. */
+static void note_changed(const plan_kept *kept, plan_cache *cache, uint32_t slot) {
+  const plan_light_block *block = &kept->blocks[slot / PLAN_BLOCK];
+  const uint32_t at = slot % PLAN_BLOCK;
+  cache->spoiled |= cache->changed == changes_most(cache);
+  if (cache->spoiled || !(block->low[0][at] <= block->high[0][at]))
+    return;
+  kept->changed[cache->changed++] = (plan_span_across){.low = {block->low[0][at], block->low[1][at]},
+                                                       .high = {block->high[0][at], block->high[1][at]}};
+}
+
+static void put(const plan_kept *kept, plan_cache *cache, const plan_scene *scene, uint32_t slot) {
+  note_changed(kept, cache, slot);
+  put_box(&kept->blocks[slot / PLAN_BLOCK], cache->basis, scene, slot);
+  put_transform(kept, cache->basis, scene, slot);
+  note_changed(kept, cache, slot);
 }
 
 static void fill(const plan_kept *kept, const plan_cache *cache, const plan_scene *scene) {
@@ -74,17 +98,17 @@ static void fill(const plan_kept *kept, const plan_cache *cache, const plan_scen
 }
 
 /* From the journal, or, where that does not reach back so far, from the revision of every slot. */
-static void refresh(const plan_kept *kept, const plan_cache *cache, const plan_scene *scene) {
+static void refresh(const plan_kept *kept, plan_cache *cache, const plan_scene *scene) {
   if (cache->revision >= scene->journal_from) {
     for (uint64_t change = cache->revision; change < scene->revision; ++change) {
       const uint32_t slot = scene->journal[change & (scene->journal_size - 1)];
-      put(kept, cache->basis, scene, slot);
+      put(kept, cache, scene, slot);
     }
     return;
   }
   for (uint32_t slot = 0; slot < scene->slot_count; ++slot)
     if (scene->revisions[slot] > cache->revision)
-      put(kept, cache->basis, scene, slot);
+      put(kept, cache, scene, slot);
 }
 
 plan_kept plan_cache_fill(plan_cache *cache, const double basis[9], const plan_scene *scene) {
@@ -98,6 +122,7 @@ plan_kept plan_cache_fill(plan_cache *cache, const double basis[9], const plan_s
   } else {
     memcpy(cache->basis, basis, sizeof cache->basis);
     fill(&kept, cache, scene);
+    cache->spoiled = true;
   }
   cache->keeps = true;
   cache->identity = scene->identity;

@@ -78,9 +78,29 @@ static csm_result check_rays(const csm_config *config, const char **error) {
   return CSM_SUCCESS;
 }
 
+/* Pages stay where they are in the world, as large as they are, in layers that go on at their other side. */
+static const char *refuse_pages(const csm_config *config) {
+  const bool steady = config->fit_mode != CSM_FIT_CASCADE && config->fit_mode != CSM_FIT_SCENE;
+  bool alike = true;
+  for (uint32_t i = 0; i < config->cascade_count; ++i)
+    alike &= plan_resolution(config, i) == plan_resolution(config, 0);
+  return !steady ? "map_layout pages needs a fit_mode whose texels stay as large as they are: spheres or squares"
+         : config->snap_mode == CSM_SNAP_OFF ? "map_layout pages needs a grid, and snap_mode is off"
+         : config->snap_power                ? "map_layout pages has a grid of its own, and snap_power is not 0"
+         : !alike                            ? "map_layout pages needs maps of one size, and resolutions has others"
+         : plan_resolution(config, 0) % PLAN_CELLS ? "map_layout pages needs a resolution that is a multiple of 64"
+         : plan_has_moments(config)                ? "map_layout pages keeps depths alone, and the filter reads moments"
+         : config->history == CSM_HISTORY_ON && config->history_jitter
+             ? "map_layout pages keeps what it has drawn, and history_jitter moves maps in every frame"
+             : NULL;
+}
+
 static csm_result check_maps(const csm_config *config, const char **error) {
   if (config->snap_power && config->snap_mode == CSM_SNAP_OFF)
     return plan_fail(error, CSM_ERROR_INVALID_VALUE, "snap_power has no grid with snap_mode off");
+  const char *refused = plan_has_pages(config) ? refuse_pages(config) : NULL;
+  if (refused)
+    return plan_fail(error, CSM_ERROR_INVALID_VALUE, refused);
   for (uint32_t i = 0; i < config->cascade_count; ++i) {
     const uint32_t resolution = plan_resolution(config, i);
     if (resolution < PLAN_LEAST_RESOLUTION)

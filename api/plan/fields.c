@@ -62,7 +62,8 @@ static const char *const blends[] = {
 static const char *const face_cullings[] = {
     [CSM_FACE_CULLING_NONE] = "none", [CSM_FACE_CULLING_FRONT] = "front", [CSM_FACE_CULLING_BACK] = "back", NULL};
 static const char *const caster_sets[] = {[CSM_CASTER_SET_MAP] = "map", [CSM_CASTER_SET_VIEW] = "view", NULL};
-static const char *const layouts[] = {[CSM_LAYOUT_ARRAY] = "array", [CSM_LAYOUT_ATLAS] = "atlas", NULL};
+static const char *const layouts[] = {
+    [CSM_LAYOUT_ARRAY] = "array", [CSM_LAYOUT_ATLAS] = "atlas", [CSM_LAYOUT_PAGES] = "pages", NULL};
 static const char *const formats[] = {[CSM_MAP_D32] = "d32", [CSM_MAP_D16] = "d16", NULL};
 static const char *const moment_formats[] = {
     [CSM_MOMENTS_FLOAT32] = "float32", [CSM_MOMENTS_FLOAT16] = "float16", NULL};
@@ -247,9 +248,11 @@ static const plan_config_entry entries[] = {
     ENTRY(resolutions, .type = CSM_FIELD_UINTS, .length = CSM_MAX_CASCADES, .minimum = 0, .maximum = 16384,
           .default_value = 0, .unit = "texels",
           .about = "Sides of single cascades' maps, 16 or more; 0 takes resolution."),
-    ENTRY(map_layout, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = CSM_LAYOUT_ATLAS,
+    ENTRY(map_layout, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = CSM_LAYOUT_PAGES,
           .default_value = CSM_LAYOUT_ARRAY, .unit = "", .values = layouts,
-          .about = "A layer of an array for each cascade, or one image that holds all."),
+          .about =
+              "A layer of an array for each cascade, one image that holds all, or layers of pages that are kept while "
+              "what they show stays."),
     ENTRY(map_format, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = CSM_MAP_D16,
           .default_value = CSM_MAP_D32, .unit = "", .values = formats, .about = "Format of the maps."),
     ENTRY(map_reversed, .type = CSM_FIELD_ENUM, .length = 1, .minimum = 0, .maximum = 1, .default_value = 0, .unit = "",

@@ -68,10 +68,15 @@ uint32_t plan_filter_radius_texels(const csm_config *config) {
   return (uint32_t)ceil(plan_filter_reach_texels(config));
 }
 
+double plan_grid_texels(const csm_config *config) {
+  const double page = plan_resolution(config, 0) / (double)PLAN_CELLS;
+  return config->snap_mode == CSM_SNAP_OFF ? 0.0 : plan_has_pages(config) ? page : (double)(1u << config->snap_power);
+}
+
 /* A snapped map lies up to half of its grid away from where it was wanted, one that is always moved down a whole one.
  */
 double plan_padding_texels(const csm_config *config) {
-  const double grid = config->snap_mode == CSM_SNAP_OFF ? 0.0 : (double)(1u << config->snap_power);
+  const double grid = plan_grid_texels(config);
   const double moved = config->snap_mode == CSM_SNAP_FLOOR ? grid : grid / 2.0;
   const double rounding_of_floats = 0.5;
   return plan_filter_radius_texels(config) + ceil(config->bias_normal_texels) + moved + rounding_of_floats +

@@ -118,7 +118,7 @@ static void size_texels(double texel[2], const double width[2], const csm_config
 }
 
 static double snap(double place, const csm_config *config) {
-  const double grid = (double)(1u << config->snap_power);
+  const double grid = plan_grid_texels(config);
   return config->snap_mode == CSM_SNAP_OFF     ? place
          : config->snap_mode == CSM_SNAP_FLOOR ? floor(place / grid) * grid
                                                : round(place / grid) * grid;
@@ -267,6 +267,22 @@ static void bound_depth(double depth[2], const plan_fit *fit, const csm_config *
   depth[0] = fmin(fmax(depth[0], depth[1] - most), fit->depth[0]);
 }
 
+/* Pages are kept while their depths mean the same: the range is the scene's, which stays though it is longer than need be. */
+static void steady_depth(double depth[2], const plan_fit *fit, const plan_scene_box *box, const csm_config *config) {
+  const double step = plan_longest_range(fit, config) / 8.0;
+  depth[0] = box->steady[0];
+  depth[1] = box->steady[1];
+  if (depth[1] - depth[0] <= 8.0 * step)
+    return;
+  depth[1] = ceil(fit->depth[1] / step) * step;
+  depth[0] = fmin(fmax(depth[0], depth[1] - 7.0 * step), floor(fit->depth[0] / step) * step);
+}
+
+/* Whether a range begins and ends at whole steps from the map's anchor. */
+static bool steps_depth(const csm_config *config) {
+  return config->depth_mode == CSM_DEPTH_CASTERS && !plan_has_pages(config);
+}
+
 plan_area plan_fit_area(const plan_fit *fit, const csm_config *config, const plan_scene_box *box) {
   plan_area area = {.depth = {INFINITY, -INFINITY}, .rounding = plan_rounding_begin(fit, config)};
   const double jitter = plan_jitter_room(config); /* casters are the same wherever it moves the map */
@@ -281,13 +297,15 @@ plan_area plan_fit_area(const plan_fit *fit, const csm_config *config, const pla
     }
   else if (config->depth_mode == CSM_DEPTH_SCENE_CLIPPED && box->corner_count)
     clip_scene(area.depth, box, &area);
+  if (plan_has_pages(config) && box->corner_count)
+    steady_depth(area.depth, fit, box, config);
   /* Without a scene, or where it has no depth, there is the slice. */
   if (!(area.depth[1] - area.depth[0] > 1e-6 * fit->step)) {
     area.depth[0] = fit->depth[0] - config->caster_distance;
     area.depth[1] = fit->depth[1];
   }
   bound_depth(area.depth, fit, config);
-  if (config->depth_mode == CSM_DEPTH_CASTERS)
+  if (steps_depth(config))
     area.depth[1] = fit->anchor[2] + steps_end(fit) * fit->step;
   return area;
 }
@@ -317,7 +335,7 @@ void plan_fit_place(plan_cascade *cascade, const plan_fit *fit, const plan_area 
     origin[i] = (fit->anchor[i] / fit->texel[i] + fit->origin[i] + fit->jitter[i]) / fit->resolution;
   }
   /* Receivers at the range's begin stay within it when they are moved */
-  const bool stepped = config->depth_mode == CSM_DEPTH_CASTERS;
+  const bool stepped = steps_depth(config);
   const double unmoved = stepped ? depth_steps(fit, area, 0.0, config) * fit->step : area->depth[1] - area->depth[0];
   const double shift = plan_rounding_shift(&area->rounding, unmoved);
   double range = unmoved + shift;

@@ -111,15 +111,42 @@ static bool shades_nothing(const plan_frame *frame, const plan_frame_info *info)
          !plan_sees_receivers(&frame->camera, info->scene, end);
 }
 
+static void note_drawn(plan_frame *frame, const plan_lists *lists) {
+  for (uint32_t slot = 0; slot < frame->slot_count; ++slot)
+    lists->drawn[slot] = (uint8_t)lists->masks[slot];
+  frame->drawn = lists->drawn;
+}
+
+/* Leaves out what lies over no cell of a map that is read, and, of pages, over none that is to be drawn. */
+static void cull_by_cells(plan_frame *frame, const fitted *fitted, const plan_frame_info *info, plan_lists *lists,
+                          const plan_light_cull *cull, const plan_kept *kept) {
+  plan_cells cells[PLAN_WINDOWS_MOST];
+  const bool by_receivers = info->config->caster_set == CSM_CASTER_SET_VIEW && info->all_receivers;
+  if (by_receivers)
+    plan_read_cells(cells, frame, fitted->areas, info);
+  else if (frame->pages)
+    plan_seen_cells(cells, frame, fitted->areas, info->config);
+  else
+    return;
+  plan_cull_unread(lists, cells, cull, kept, info->scene);
+  if (!frame->pages)
+    return;
+  note_drawn(frame, lists);
+  plan_pages_make(frame, fitted->fits, lists, cells, info);
+  plan_cull_unread(lists, cells, cull, kept, info->scene);
+}
+
 /* Where each map lies along the light, which is where its casters begin, and what is drawn into it. */
 static void cull_and_place(plan_frame *frame, fitted *fitted, const plan_frame_info *info, plan_lists *lists) {
   const csm_config *config = info->config;
   plan_scene_box box = {0};
-  if (config->depth_mode == CSM_DEPTH_SCENE || config->depth_mode == CSM_DEPTH_SCENE_CLIPPED)
+  if (config->depth_mode == CSM_DEPTH_SCENE || config->depth_mode == CSM_DEPTH_SCENE_CLIPPED || frame->pages)
     plan_scene_bounds(&box, frame->basis, info->scene);
+  if (frame->pages)
+    plan_pages_depth(&box, frame, info);
   plan_hull hull = {0};
   const double depths[2] = {frame->camera.near_depth, frame->cascades[frame->cascade_count - 1].info.far_depth};
-  if (config->caster_set == CSM_CASTER_SET_VIEW)
+  if (config->caster_set == CSM_CASTER_SET_VIEW && !frame->pages) /* a page that is drawn is drawn whole */
     plan_view_hull(&hull, &frame->camera, frame->basis, depths, view_room(fitted->fits, config));
   for (uint32_t i = 0; i < frame->cascade_count; ++i) {
     fitted->areas[i] = plan_fit_area(&fitted->fits[i], config, &box);
@@ -132,20 +159,14 @@ static void cull_and_place(plan_frame *frame, fitted *fitted, const plan_frame_i
   const plan_kept kept = shades ? plan_cull_light(lists, &to, info->scene) : (plan_kept){0};
   for (uint32_t i = 0; i < frame->cascade_count; ++i)
     plan_fit_place(&frame->cascades[i], &fitted->fits[i], &fitted->areas[i], frame->basis, config);
-  if (shades && config->caster_set == CSM_CASTER_SET_VIEW && info->all_receivers) {
-    plan_cells cells[CSM_MAX_CASCADES];
-    plan_read_cells(cells, frame, fitted->areas, info);
-    plan_cull_unread(lists, cells, &to, &kept, info->scene);
-  }
+  if (shades)
+    cull_by_cells(frame, fitted, info, lists, &to, &kept);
+  else if (frame->pages)
+    plan_pages_make(frame, fitted->fits, lists, (plan_cells[PLAN_WINDOWS_MOST]){0}, info);
   frame->to_light = (const double(*)[12])kept.transforms;
 }
 
-static void note_drawn(plan_frame *frame, const plan_lists *lists) {
-  for (uint32_t slot = 0; slot < frame->slot_count; ++slot)
-    lists->drawn[slot] = (uint8_t)lists->masks[slot];
-  frame->drawn = lists->drawn;
-}
-
+/* A window for each map. */
 static void make_windows(plan_frame *frame) {
   frame->window_count = frame->cascade_count;
   for (uint32_t i = 0; i < frame->window_count; ++i) {
@@ -154,23 +175,41 @@ static void make_windows(plan_frame *frame) {
   }
 }
 
+/* Into how many maps each instance is drawn; windows of one map may share some. */
+static void count_casters(plan_frame *frame, const plan_lists *lists) {
+  uint32_t windows[CSM_MAX_CASCADES] = {0};
+  for (uint32_t i = 0; i < frame->window_count; ++i)
+    windows[frame->windows[i].cascade] |= 1u << i;
+  for (uint32_t slot = 0; slot < frame->slot_count; ++slot)
+    for (uint32_t i = 0; lists->masks[slot] && i < frame->cascade_count; ++i)
+      frame->cascades[i].casters += (lists->masks[slot] & windows[i]) != 0;
+}
+
 csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *memory, const char **error) {
-  plan_frame frame = {.cascade_count = info->config->cascade_count, .slot_count = info->scene->slot_count};
+  plan_frame frame = {.cascade_count = info->config->cascade_count,
+                      .slot_count = info->scene->slot_count,
+                      .pages = plan_has_pages(info->config)};
   fitted fitted;
+  if (frame.pages)
+    plan_pages_begin(info);
   const csm_result result = fit_frame(&frame, fitted.fits, info, error);
   if (result)
     return result;
   plan_lists lists = {.count = frame.cascade_count, .sides = true, .among = info->scene->caster_count};
-  for (uint32_t i = 0; i < frame.cascade_count; ++i)
-    lists.lists[i] = &frame.windows[i].list;
   plan_lists_begin(&lists, info->scene, memory);
   if (!frame.unshadowed)
     cull_and_place(&frame, &fitted, info, &lists);
   for (uint32_t i = 0; i < frame.cascade_count && frame.unshadowed; ++i)
     plan_fit_nothing(&frame.cascades[i], i, frame.basis, info->config);
-  note_drawn(&frame, &lists);
-  make_windows(&frame);
+  if (!frame.drawn)
+    note_drawn(&frame, &lists);
+  if (!frame.pages)
+    make_windows(&frame);
+  for (uint32_t i = 0; i < frame.window_count; ++i)
+    lists.lists[i] = &frame.windows[i].list;
+  lists.count = frame.window_count;
   plan_lists_end(&lists, info->scene);
+  count_casters(&frame, &lists);
   *out = frame;
   return CSM_SUCCESS;
 }

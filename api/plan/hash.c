@@ -56,9 +56,12 @@ uint64_t plan_hash(const plan_frame *frame, const csm_config *config, const plan
   hash = add(hash, constants, plan_write_constants(constants, frame, config));
   hash = add(hash, frame->camera.position, sizeof frame->camera.position);
   hash = add(hash, frame->origin, sizeof frame->origin);
-  for (uint32_t i = 0; i < frame->cascade_count; ++i)
+  for (uint32_t i = 0; i < frame->cascade_count; ++i) {
     hash = add(hash, &frame->cascades[i].info, sizeof frame->cascades[i].info);
+    hash = add(hash, frame->cascades[i].due, sizeof frame->cascades[i].due);
+  }
   for (uint32_t i = 0; i < frame->window_count; ++i) {
+    hash = add(hash, frame->windows[i].slots, sizeof frame->windows[i].slots);
     hash = add_list(hash, &frame->windows[i].list);
     hash = add_matrices(hash, frame, i, scene);
   }

@@ -206,6 +206,7 @@ typedef struct plan_area {
 typedef struct plan_scene_box {
   double corners[8][3];
   uint32_t corner_count;
+  double steady[2]; /* along the light, for pages */
 } plan_scene_box;
 
 /* INVALID_CAMERA: numbers too large to plan with. */
@@ -251,6 +252,8 @@ double plan_filter_least_share(const csm_config *config);
 static inline double plan_jitter_room(const csm_config *config) {
   return config->history == CSM_HISTORY_ON && config->history_jitter ? 0.5 : 0.0;
 }
+/* The grid that maps begin on, in texels; 0: none. */
+double plan_grid_texels(const csm_config *config);
 /* Room that a map leaves at its borders. */
 double plan_padding_texels(const csm_config *config);
 /* Room around what a camera sees, within which what lies in a cascade's map is read for it. */
@@ -281,12 +284,20 @@ typedef struct plan_light_block {
   double low[3][PLAN_BLOCK], high[3][PLAN_BLOCK];
   double largest; /* no caster's size is above it: the diagonal of its box, squared */
 } plan_light_block;
+/* A box across the light. */
+typedef struct plan_span_across {
+  double low[2], high[2];
+} plan_span_across;
+
 /* What a cache keeps for a light. */
 typedef struct plan_kept {
-  plan_light_block *blocks; /* of casters; NULL: nothing is kept */
-  double (*transforms)[12]; /* of casters, by slot: stored positions to light space, three rows of four */
+  plan_light_block *blocks;  /* of casters; NULL: nothing is kept */
+  double (*transforms)[12];  /* of casters, by slot: stored positions to light space, three rows of four */
+  plan_span_across *changed; /* as many as the cache says */
 } plan_kept;
 
+/* Boxes of what changed: see plan_cache. Precondition: it keeps something. */
+const plan_span_across *plan_cache_changed(const plan_cache *cache);
 /* What the cache has for this light, after bringing it up to date. */
 plan_kept plan_cache_fill(plan_cache *cache, const double basis[9], const plan_scene *scene);
 /* The boxes of the slots from `first` on. */
@@ -294,10 +305,11 @@ void plan_light_block_make(plan_light_block *out, const double basis[9], const p
 
 /* The lists of a plan while they are made. */
 typedef struct plan_lists {
-  plan_list *lists[CSM_MAX_CASCADES];
+  plan_list *lists[PLAN_WINDOWS_MOST];
   uint32_t count;
-  bool sides;       /* mirrored instances are drawn apart */
-  uint32_t among;   /* instances that might be drawn */
+  bool sides;     /* mirrored instances are drawn apart */
+  uint32_t among; /* instances that might be drawn */
+  void *memory;
   uint32_t *masks;  /* by slot, a whole number of blocks: bit i is set if list i holds it */
   uint8_t *drawn;   /* by slot: room for plan_frame.drawn */
   uint32_t *counts; /* [plan_list_key * count + list]: instances of that key in the list */
@@ -308,18 +320,18 @@ static inline uint32_t plan_list_key(const plan_lists *lists, const plan_instanc
   return instance->mesh * 2 + (lists->sides ? instance->mirrored : 0);
 }
 
-/* Lays the lists out in memory of plan_memory_size bytes, all empty. */
+/* Makes room for the masks, which are 0, in memory of plan_memory_size bytes. */
 void plan_lists_begin(plan_lists *lists, const plan_scene *scene, void *memory);
-/* Fills every list from the masks. */
+/* Makes every list, there, from the masks. */
 void plan_lists_end(plan_lists *lists, const plan_scene *scene);
-
-enum { PLAN_CELLS = 64 }; /* of a map, across and up */
 
 /* Which cells of a map are read. */
 typedef struct plan_cells {
   double begin[2], size[2];  /* where the first begins along right and up in light space, and of each: metres */
   uint64_t read[PLAN_CELLS]; /* a row's cells, a bit each */
 } plan_cells;
+/* Notes that the cells that a box across the light lies over are read. */
+void plan_cells_add(plan_cells *cells, const double low[2], const double high[2]);
 /* Whether a box across the light lies over a cell that is read. */
 bool plan_cells_meet(const plan_cells *cells, const double low[2], const double high[2]);
 
@@ -344,6 +356,20 @@ void plan_cull_unread(plan_lists *lists, const plan_cells *cells, const plan_lig
 bool plan_sees_receivers(const plan_camera *camera, const plan_scene *scene, double end);
 /* Which cells of each cascade's map are read for the receivers that the frame's camera sees. The maps are placed. */
 void plan_read_cells(plan_cells *cells, const plan_frame *frame, const plan_area *areas, const plan_frame_info *info);
+/* Likewise, of maps that may be read wherever the camera sees, or, with caster_set map, everywhere. */
+void plan_seen_cells(plan_cells *cells, const plan_frame *frame, const plan_area *areas, const csm_config *config);
+
+/* ---- pages ---- */
+/* Before a plan: forgets changes that the pages of the frame before know of. */
+void plan_pages_begin(const plan_frame_info *info);
+/* The depths of maps that are made of pages: those of the scene, which stay. */
+void plan_pages_depth(plan_scene_box *box, plan_frame *frame, const plan_frame_info *info);
+/*
+ * Which pages of the maps are drawn, and in which windows: those whose cells are read and that are not valid. Turns the
+ * lists of cascades into those of windows. Of `cells`, which become those of the windows, `read` is filled in.
+ */
+void plan_pages_make(plan_frame *frame, const plan_fit *fits, plan_lists *lists, plan_cells *cells,
+                     const plan_frame_info *info);
 
 /* ---- packing ---- */
 /* The transform of positions as they are stored. */

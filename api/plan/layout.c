@@ -47,6 +47,14 @@ static void make_atlas(plan_layout *out, const csm_config *config) {
   }
 }
 
+bool plan_has_pages(const csm_config *config) {
+  return config->map_layout == CSM_LAYOUT_PAGES;
+}
+
+uint32_t plan_windows_most(const csm_config *config) {
+  return plan_has_pages(config) ? 4 * config->cascade_count : config->cascade_count;
+}
+
 void plan_layout_make(plan_layout *out, const csm_config *config) {
   if (config->map_layout == CSM_LAYOUT_ATLAS) {
     make_atlas(out, config);

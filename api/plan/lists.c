@@ -12,7 +12,7 @@ static size_t take(size_t *at, size_t count, size_t size) {
 }
 
 typedef struct memory_layout {
-  size_t counts, masks, drawn, draws, instances, list_stride, size;
+  size_t masks, drawn, counts, draws, instances, list_stride, size;
 } memory_layout;
 
 /* One for each slot of whole blocks. */
@@ -25,9 +25,9 @@ static memory_layout lay_out(uint32_t slot_count, uint32_t mesh_count, uint32_t 
   const uint32_t most_draws = slot_count < keys ? slot_count : keys;
   memory_layout layout = {0};
   size_t at = 0;
-  layout.counts = take(&at, (size_t)keys * list_count, sizeof(uint32_t));
   layout.masks = take(&at, mask_count(slot_count), sizeof(uint32_t));
   layout.drawn = take(&at, slot_count, sizeof(uint8_t));
+  layout.counts = take(&at, (size_t)keys * list_count, sizeof(uint32_t));
   layout.draws = take(&at, most_draws, sizeof(plan_draw));
   layout.instances = take(&at, slot_count, sizeof(uint32_t));
   layout.list_stride = at - layout.draws;
@@ -40,14 +40,23 @@ size_t plan_memory_size(uint32_t slot_count, uint32_t mesh_count, uint32_t windo
 }
 
 void plan_lists_begin(plan_lists *lists, const plan_scene *scene, void *memory) {
-  const memory_layout layout = lay_out(scene->slot_count, scene->mesh_count, lists->count);
+  const memory_layout layout = lay_out(scene->slot_count, scene->mesh_count, 0);
   char *const base = memory;
+  lists->memory = memory;
   if (scene->slot_count == 0)
     return;
-  lists->counts = (uint32_t *)(base + layout.counts);
   lists->masks = (uint32_t *)(base + layout.masks);
   lists->drawn = (uint8_t *)(base + layout.drawn);
   memset(lists->masks, 0, mask_count(scene->slot_count) * sizeof *lists->masks);
+}
+
+/* Room for each list, all empty. */
+static void make_room(plan_lists *lists, const plan_scene *scene) {
+  const memory_layout layout = lay_out(scene->slot_count, scene->mesh_count, lists->count);
+  char *const base = lists->memory;
+  if (scene->slot_count == 0)
+    return;
+  lists->counts = (uint32_t *)(base + layout.counts);
   memset(lists->counts, 0, (size_t)scene->mesh_count * 2 * lists->count * sizeof *lists->counts);
   for (uint32_t i = 0; i < lists->count; ++i) {
     lists->lists[i]->draws = (plan_draw *)(base + layout.draws + i * layout.list_stride);
@@ -90,6 +99,7 @@ static void place_slots(const plan_lists *lists, const plan_scene *scene) {
 }
 
 void plan_lists_end(plan_lists *lists, const plan_scene *scene) {
+  make_room(lists, scene);
   count_slots(lists, scene);
   for (uint32_t i = 0; i < lists->count; ++i) {
     if (scene->slot_count)

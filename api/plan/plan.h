@@ -60,6 +60,8 @@ bool plan_is_soft(const csm_config *config);
 bool plan_has_rays(const csm_config *config);
 /* Whether pixels of a mask share what their rays found. */
 bool plan_shares_rays(const csm_config *config);
+/* Whether maps are made of pages that stay. */
+bool plan_has_pages(const csm_config *config);
 /* Texels around a sample that the configured filter may read. */
 uint32_t plan_filter_radius_texels(const csm_config *config);
 /* The side of a cascade's map, in texels. */
@@ -194,6 +196,19 @@ typedef struct plan_depth_samples {
 /* Whether a view looked where its maps did, so that they are fitted to what it saw. A reflection does not. */
 bool plan_depth_samples_count(const plan_depth_samples *samples, double margin);
 
+enum { PLAN_CELLS = 64 }; /* of a map, across and up; the pages of one that is made of pages */
+
+/*
+ * Pages of a cascade's layer. The world is laid out in pages from the map's anchor on; page (x, y), y up, lies in slot
+ * x mod 64 of row -1 - y mod 64 from the top. The layer holds the 64 x 64 pages from `first` on.
+ */
+typedef struct plan_pages {
+  bool any;                   /* false: nothing is valid, and nothing else is filled in */
+  uint64_t valid[PLAN_CELLS]; /* rows of slots, a bit each: it holds its page as it would be drawn now */
+  int64_t first[2];
+  double texel[2], anchor[3], depth[2]; /* what it was drawn with; of depth: scale and offset */
+} plan_pages;
+
 /* A size, as steps of a logarithm. */
 typedef struct plan_steps {
   double value;
@@ -218,6 +233,11 @@ typedef struct plan_history {
   plan_steps sample_range[2];                  /* what splits were fitted to */
   plan_steps casters_width;                    /* that maps were narrowed to */
   plan_steps bound_steps[CSM_MAX_CASCADES][2]; /* by which each map was narrowed */
+  plan_pages pages[CSM_MAX_CASCADES];
+  uint64_t pages_identity,
+      pages_revision;    /* of the scene that pages were drawn of; an identity of 0: of none that stays */
+  uint32_t pages_layers; /* of the light */
+  double pages_depth[2]; /* the range of depths, in metres from the world's origin; equal: none yet */
 } plan_history;
 
 /* Forgets what belongs to a configuration, and keeps how the maps are turned about the light, and their grids' anchors.
@@ -233,14 +253,25 @@ typedef struct plan_cascade {
   uint32_t resolution;
   double to_clip[12]; /* light space (right, up, along, relative to the world's origin) to clip: three rows of four */
   double shift;       /* metres towards the light by which receivers are moved before they are compared */
+  uint32_t casters;   /* that are drawn into it in this frame */
+  /* Of pages: where the map begins in its layer, across and down, which it goes on at the other side of; rows of slots,
+     a bit each: those that are drawn, and those that then are valid */
+  uint32_t begin_texels[2];
+  uint64_t due[PLAN_CELLS], valid[PLAN_CELLS];
 } plan_cascade;
 
-/* What is drawn at one go: a cascade's whole map, of cascade i in window i. */
+/*
+ * What is drawn at one go: of whole maps, cascade i's in window i; of pages, those that lie in one of the squares, as wide
+ * as a map, that the world is laid out in from the map's anchor on. So a page is drawn alike whenever it is.
+ */
 typedef struct plan_window {
   uint32_t cascade;
   double to_clip[12]; /* as plan_cascade's */
+  uint32_t slots[4];  /* of pages: the first column and row, and how many of each, that hold all that is due */
   plan_list list;
 } plan_window;
+
+enum { PLAN_WINDOWS_MOST = 4 * CSM_MAX_CASCADES };
 
 typedef struct plan_frame {
   plan_camera camera;
@@ -253,10 +284,11 @@ typedef struct plan_frame {
   double light_diameter; /* radians */
   uint32_t cascade_count;
   double shadow_end; /* view depth in metres where shadows end; depth samples may end the last cascade before */
+  bool pages;        /* maps are made of them */
   bool unshadowed;   /* the near plane is at or beyond the end of shadows: nothing is drawn, and no point is in a map */
   plan_cascade cascades[CSM_MAX_CASCADES];
   uint32_t window_count;
-  plan_window windows[CSM_MAX_CASCADES];
+  plan_window windows[PLAN_WINDOWS_MOST];
   const uint8_t *drawn; /* by slot: bit i is set if cascade i draws it; NULL if there are no slots */
   uint32_t slot_count;
   const double (*to_light)[12]; /* by slot: what the cache keeps, until it is used again; NULL: nothing */
@@ -274,6 +306,10 @@ typedef struct plan_cache {
   bool keeps;     /* what follows says what the memory holds */
   uint64_t identity, revision;
   double basis[9];
+  /* Boxes of what changed, as they were and as they are, since a revision; not all are there if it is `spoiled` */
+  uint32_t changed;
+  uint64_t changed_from;
+  bool spoiled;
 } plan_cache;
 
 size_t plan_cache_size(uint32_t slot_count);
@@ -287,6 +323,7 @@ typedef struct plan_frame_info {
   bool others_cast;                        /* the engine draws casters into the maps that no instance tells of */
   const double *origin;                    /* 3; NULL: the camera's position */
   const plan_scene *scene;
+  bool maps_kept;                    /* the maps hold what the frame `before` left there */
   bool all_receivers;                /* no surfaces but the scene's receivers are asked for visibility */
   plan_cache *cache;                 /* may be NULL */
   const plan_history *before;        /* the last frame's; may be NULL */
@@ -295,6 +332,8 @@ typedef struct plan_frame_info {
   uint32_t jitter; /* the frame's number, which says where maps begin with history_jitter */
 } plan_frame_info;
 
+/* The most windows that a plan of a configuration has. */
+uint32_t plan_windows_most(const csm_config *config);
 /* Bytes of memory, aligned to 16, that a plan of so many slots, meshes and windows (0 for a camera's) needs. */
 size_t plan_memory_size(uint32_t slot_count, uint32_t mesh_count, uint32_t window_count);
 
@@ -418,6 +457,9 @@ bool plan_cascade_same(const plan_frame *before, const plan_frame *now, uint32_t
                        uint64_t revision);
 /* Likewise, whether all that a frame's shadows follow from is as it was, but for the maps' jitter, and no receiver moved. */
 bool plan_frame_rests(const plan_frame *before, const plan_frame *now, const plan_scene *scene, uint64_t revision);
+
+/* Takes a rectangle out of rows of slots, a bit each: its first column and row, and how many of each. False: there is none. */
+bool plan_next_slots(uint32_t out[4], uint64_t rows[PLAN_CELLS]);
 
 /* What csm_draw_info says of a cascade: the world's transform to its clip space, and the planes of what may cast. */
 void plan_cascade_volume(const plan_frame *frame, uint32_t cascade, double world_to_clip[16], double planes[5][4]);

@@ -119,6 +119,13 @@ static bool find_cells(cell_rect *out, const plan_cells *cells, const double low
   return true;
 }
 
+void plan_cells_add(plan_cells *cells, const double low[2], const double high[2]) {
+  cell_rect rect;
+  if (find_cells(&rect, cells, low, high))
+    for (uint32_t y = rect.first; y <= rect.last; ++y)
+      cells->read[y] |= rect.columns;
+}
+
 bool plan_cells_meet(const plan_cells *cells, const double low[2], const double high[2]) {
   cell_rect rect;
   bool meets = false;
@@ -218,16 +225,20 @@ static void find_held(double held[2], const reading *of, uint32_t cascade) {
   held[1] = fmax(ends[0], ends[1]) - of->borders[cascade];
 }
 
+static void lay_cells(plan_cells *out, const plan_area *area) {
+  *out = (plan_cells){0};
+  for (int axis = 0; axis < 2; ++axis) {
+    out->begin[axis] = area->min[axis];
+    out->size[axis] = (area->max[axis] - area->min[axis]) / PLAN_CELLS;
+  }
+}
+
 static void make_reader(reader *out, plan_cells *cells, const reading *of, uint32_t cascade) {
   const plan_area *area = &of->areas[cascade];
   const double texel = largest_texel(&of->frame->cascades[cascade]);
   *out = (reader){.cells = cells, .room = texel * plan_view_room_texels(of->config, cascade)};
   find_held(out->held, of, cascade);
-  *cells = (plan_cells){0};
-  for (int axis = 0; axis < 2; ++axis) {
-    cells->begin[axis] = area->min[axis];
-    cells->size[axis] = (area->max[axis] - area->min[axis]) / PLAN_CELLS;
-  }
+  lay_cells(cells, area);
   find_depths(out->depths, of, cascade);
   plan_hull hull;
   plan_view_hull(&hull, &of->frame->camera, of->frame->basis, out->depths, out->room);
@@ -297,5 +308,22 @@ void plan_read_cells(plan_cells *cells, const plan_frame *frame, const plan_area
       continue;
     find_box(&box, frame, &placed);
     mark(readers, frame->cascade_count, &box);
+  }
+}
+
+void plan_seen_cells(plan_cells *cells, const plan_frame *frame, const plan_area *areas, const csm_config *config) {
+  const double depths[2] = {frame->camera.near_depth, frame->cascades[frame->cascade_count - 1].info.far_depth};
+  for (uint32_t i = 0; i < frame->cascade_count; ++i) {
+    plan_hull hull = {0};
+    const double room = largest_texel(&frame->cascades[i]) * plan_view_room_texels(config, i);
+    lay_cells(&cells[i], &areas[i]);
+    if (config->caster_set == CSM_CASTER_SET_VIEW)
+      plan_view_hull(&hull, &frame->camera, frame->basis, depths, room);
+    for (uint32_t y = 0; y < PLAN_CELLS; ++y)
+      for (uint32_t x = 0; x < PLAN_CELLS; ++x) {
+        const double low[2] = {cells[i].begin[0] + x * cells[i].size[0], cells[i].begin[1] + y * cells[i].size[1]};
+        const double high[2] = {low[0] + cells[i].size[0], low[1] + cells[i].size[1]};
+        cells[i].read[y] |= (uint64_t)!plan_outside_hull(&hull, low, high) << x;
+      }
   }
 }

@@ -54,7 +54,7 @@ void plan_steady_image(double image[2], const plan_fit_frame *frame) {
  * the grid as it was, which leaves the grid where it is, and along the light freely, which no map tells.
  */
 static void move_anchor(plan_anchor *anchor, const plan_fit_frame *frame, const double middle[3]) {
-  const double *then = frame->before->basis, grid = (double)(1u << frame->config->snap_power);
+  const double *then = frame->before->basis, grid = fmax(plan_grid_texels(frame->config), 1.0);
   double to_middle[3], shift[3] = {0};
   for (int k = 0; k < 3; ++k)
     to_middle[k] =

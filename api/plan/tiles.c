@@ -42,13 +42,27 @@ void plan_seen_tiles(uint8_t *tiles, const plan_frame *frame, const csm_config *
     }
 }
 
+/* Whether a map that is made of pages holds what it held. */
+static bool same_drawn(const plan_frame *before, const plan_frame *now, uint32_t cascade, const plan_scene *scene,
+                       uint64_t revision) {
+  bool same = before->slot_count == now->slot_count;
+  for (uint32_t slot = 0; slot < now->slot_count && same; ++slot) {
+    const bool drawn = now->drawn[slot] >> cascade & 1;
+    same = drawn == (before->drawn[slot] >> cascade & 1) && !(drawn && scene->revisions[slot] > revision);
+  }
+  return same;
+}
+
 /* Whether a cascade draws what it drew, seen from the same side. */
 static bool same_casters(const plan_frame *before, const plan_frame *now, uint32_t cascade, const plan_scene *scene,
                          uint64_t revision) {
   const plan_list *a = &before->windows[cascade].list, *b = &now->windows[cascade].list;
   if (before->unshadowed || now->unshadowed || cascade >= before->cascade_count ||
-      a->instance_count != b->instance_count || a->draw_count != b->draw_count ||
       memcmp(before->basis, now->basis, sizeof now->basis) != 0)
+    return false;
+  if (now->pages)
+    return same_drawn(before, now, cascade, scene, revision);
+  if (a->instance_count != b->instance_count || a->draw_count != b->draw_count)
     return false;
   for (uint32_t i = 0; i < b->instance_count; ++i) {
     const uint32_t slot = b->instances[i];

@@ -72,6 +72,12 @@ typedef struct technique_times {
   double write_ms, record_ms;
 } technique_times;
 
+/* Of an image that is made of pages, as plan_cascade has it. */
+typedef struct technique_pages {
+  uint32_t across, begin[2]; /* across: 0: it is not */
+  uint64_t valid[PLAN_CELLS];
+} technique_pages;
+
 /* An image that csm_read may read a part of. */
 typedef struct technique_image {
   gpu_image *image;
@@ -80,6 +86,8 @@ typedef struct technique_image {
   uint32_t layers;               /* that are read, one after the other, from `layer` on; 0: that one */
   uint32_t levels;               /* that can be read; 0: one */
   gpu_rect part;                 /* of the first level; its x and y are 0 where there are more */
+  const technique_pages *pages;  /* NULL: it is not made of them */
+  float cleared;                 /* what pages hold that nothing reads */
   const plan_camera *drawn_with; /* of camera depths: they are converted from its; NULL: read as they are */
   const plan_camera *read_as;    /* to this one's, or, if NULL, to view depths */
 } technique_image;

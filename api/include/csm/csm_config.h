@@ -74,7 +74,13 @@ enum { CSM_OUT_OF_RANGE_LIT = 0, CSM_OUT_OF_RANGE_DARK = 1, CSM_OUT_OF_RANGE_FAD
 enum { CSM_BLEND_OFF = 0, CSM_BLEND_LINEAR = 1, CSM_BLEND_DITHERED = 2 };
 enum { CSM_CASTER_SET_MAP = 0, CSM_CASTER_SET_VIEW = 1 };
 enum { CSM_FACE_CULLING_NONE = 0, CSM_FACE_CULLING_FRONT = 1, CSM_FACE_CULLING_BACK = 2 };
-enum { CSM_LAYOUT_ARRAY = 0, CSM_LAYOUT_ATLAS = 1 };
+enum {
+  CSM_LAYOUT_ARRAY = 0, /* a layer for each cascade */
+  CSM_LAYOUT_ATLAS = 1, /* one image for all */
+  CSM_LAYOUT_PAGES = 2  /* a layer for each cascade, divided into 64 x 64 pages. A place in the world keeps its texels while
+                           the camera moves: pages that are read are drawn when they are first seen, or something in them
+                           changed, and kept */
+};
 enum { CSM_MAP_D32 = 0, CSM_MAP_D16 = 1 };
 enum { CSM_MOMENTS_FLOAT32 = 0, CSM_MOMENTS_FLOAT16 = 1 };
 enum { CSM_BLUR_BOX = 0, CSM_BLUR_GAUSSIAN = 1 };
@@ -151,7 +157,7 @@ typedef struct csm_config {
   /* Maps. */
   uint32_t resolution;                    /* texels a side; 16 to 16384, and what the device can do */
   uint32_t resolutions[CSM_MAX_CASCADES]; /* of single cascades; 0: `resolution` */
-  uint32_t map_layout;                    /* CSM_LAYOUT_*: a layer for each cascade, or one image for all */
+  uint32_t map_layout;                    /* CSM_LAYOUT_* */
   uint32_t map_format;                    /* CSM_MAP_* */
   uint32_t map_reversed;                  /* 1: depth 1 is nearest to the light */
 

@@ -29,10 +29,11 @@ typedef struct maps_state {
   bool drawn; /* with the present configuration */
   /* of the recording on its way */
   ring_range ring;
-  uint64_t offsets[CSM_MAX_CASCADES]; /* in the ring's buffer, where each window's matrices begin */
+  uint64_t offsets[PLAN_WINDOWS_MOST]; /* in the ring's buffer, where each window's matrices begin */
   /* of the last frame */
   csm_cascade_stats cascades[CSM_MAX_CASCADES];
   pass_timer timer; /* of the clear, of each cascade */
+  technique_pages pages[CSM_MAX_CASCADES];
 } maps_state;
 
 /* ---- images ---- */
@@ -195,57 +196,120 @@ static void call_engine(const maps_state *state, const technique_run *run, uint3
   run->frame->draw(run->frame->draw_user, &info);
 }
 
-static void draw_cascade(const maps_state *state, const technique_run *run, uint32_t cascade) {
-  const gpu gpu = run->device->gpu;
-  const plan_list *list = &run->plan->windows[cascade].list;
+/* Into the pass that is open. */
+static void draw_casters(const maps_state *state, const technique_run *run, uint32_t window) {
   const caster_programs *casters = &state->now.casters;
-  if (!list->draw_count && !run->frame->draw)
+  draw_list(run->device->gpu,
+            &(draw_list_info){.programs = {casters->programs[GPU_CULL_NONE], casters->programs[GPU_CULL_BACK],
+                                           casters->programs[GPU_CULL_FRONT]},
+                              .cull = casters->look.cull,
+                              .skip_hidden = true,
+                              .list = &run->plan->windows[window].list,
+                              .meshes = run->device->geometry.meshes,
+                              .matrices = state->ring.buffer,
+                              .offset = state->offsets[window],
+                              .rows = CASTER_ROWS});
+}
+
+/* A whole map, which is one window. */
+static void draw_map(const maps_state *state, const technique_run *run, uint32_t cascade) {
+  const gpu gpu = run->device->gpu;
+  if (!run->plan->windows[cascade].list.draw_count && !run->frame->draw)
     return;
   const plan_rect *rect = &state->now.image->layout.rects[cascade];
   gpu_pass_begin(gpu, &(gpu_pass_info){.target = state->now.image->targets[rect->layer],
                                        .area = {rect->x, rect->y, rect->side, rect->side}});
-  draw_list(gpu, &(draw_list_info){.programs = {casters->programs[GPU_CULL_NONE], casters->programs[GPU_CULL_BACK],
-                                                casters->programs[GPU_CULL_FRONT]},
-                                   .cull = casters->look.cull,
-                                   .skip_hidden = true,
-                                   .list = list,
-                                   .meshes = run->device->geometry.meshes,
-                                   .matrices = state->ring.buffer,
-                                   .offset = state->offsets[cascade],
-                                   .rows = CASTER_ROWS});
+  draw_casters(state, run, cascade);
   if (run->frame->draw)
     call_engine(state, run, cascade);
   gpu_pass_end(gpu);
 }
 
+/* Slots of a layer, in texels. */
+static gpu_rect texels_of(const map_image *image, const uint32_t slots[4]) {
+  const uint32_t page = image->layout.width / PLAN_CELLS;
+  return (gpu_rect){slots[0] * page, slots[1] * page, slots[2] * page, slots[3] * page};
+}
+
+/*
+ * The pages that are due. What else lies in their rectangle is drawn over by some of what it holds, at the same depths, so
+ * it stays as it is.
+ */
+static void draw_pages(const maps_state *state, const technique_run *run, uint32_t cascade) {
+  const gpu gpu = run->device->gpu;
+  const map_image *image = state->now.image;
+  for (uint32_t i = 0; i < run->plan->window_count; ++i) {
+    const plan_window *window = &run->plan->windows[i];
+    if (window->cascade != cascade || !window->list.draw_count)
+      continue;
+    gpu_pass_begin(gpu, &(gpu_pass_info){.target = image->targets[cascade],
+                                         .area = texels_of(image, window->slots),
+                                         .clip_space = {0, 0, image->layout.width, image->layout.height}});
+    draw_casters(state, run, i);
+    gpu_pass_end(gpu);
+  }
+}
+
 static void count_casters(maps_state *state, const technique_run *run) {
   for (uint32_t i = 0; i < run->plan->cascade_count; ++i) {
+    const plan_cascade *of = &run->plan->cascades[i];
+    state->cascades[i] =
+        (csm_cascade_stats){.casters_drawn = of->casters, .casters_culled = run->scene->caster_count - of->casters};
+    state->pages[i] = (technique_pages){.across = run->plan->pages ? PLAN_CELLS : 0,
+                                        .begin = {of->begin_texels[0], of->begin_texels[1]}};
+    memcpy(state->pages[i].valid, of->valid, sizeof of->valid);
+  }
+  for (uint32_t i = 0; i < run->plan->window_count; ++i) {
     const plan_list *list = &run->plan->windows[i].list;
-    csm_cascade_stats *stats = &state->cascades[i];
-    stats->casters_drawn = list->instance_count;
-    stats->casters_culled = list->culled;
-    stats->triangles_drawn = 0;
+    csm_cascade_stats *stats = &state->cascades[run->plan->windows[i].cascade];
     for (uint32_t d = 0; d < list->draw_count; ++d)
       stats->triangles_drawn +=
           (uint64_t)run->device->geometry.meshes[list->draws[d].mesh].index_count / 3 * list->draws[d].count;
   }
 }
 
+static float clear_depth(const maps_state *state) {
+  return state->now.casters.look.reversed ? 0.0f : 1.0f;
+}
+
 static void clear(const maps_state *state, const technique_run *run) {
-  gpu_clear_depth(run->device->gpu, state->now.image->image, state->now.casters.look.reversed ? 0.0f : 1.0f);
+  gpu_clear_depth(run->device->gpu, state->now.image->image, clear_depth(state));
+}
+
+/* Those that are due, a rectangle after the other. */
+static void clear_pages(const maps_state *state, const technique_run *run) {
+  const map_image *image = state->now.image;
+  for (uint32_t i = 0; i < run->plan->cascade_count; ++i) {
+    uint64_t due[PLAN_CELLS];
+    uint32_t slots[4];
+    memcpy(due, run->plan->cascades[i].due, sizeof due);
+    while (plan_next_slots(slots, due)) {
+      gpu_pass_begin(run->device->gpu, &(gpu_pass_info){.target = image->targets[i],
+                                                        .area = texels_of(image, slots),
+                                                        .depth_load = GPU_LOAD_CLEAR,
+                                                        .clear_depth = clear_depth(state)});
+      gpu_pass_end(run->device->gpu);
+    }
+  }
 }
 
 static void draw_all(maps_state *state, const technique_run *run) {
   const gpu gpu = run->device->gpu;
   const uint32_t count = run->plan->cascade_count;
   pass_timer_begin(&state->timer, run, 1 + count);
-  clear(state, run);
+  if (run->plan->pages && state->now.image->written)
+    clear_pages(state, run);
+  else
+    clear(state, run);
   pass_timer_step(&state->timer, run);
   for (uint32_t cascade = 0; cascade < count; ++cascade) {
     char name[32];
     snprintf(name, sizeof name, "cascade %u depth", (unsigned)cascade);
     gpu_marker_begin(gpu, name);
-    draw_cascade(state, run, cascade);
+    if (run->plan->pages)
+      draw_pages(state, run, cascade);
+    else
+      draw_map(state, run, cascade);
     gpu_marker_end(gpu);
     pass_timer_step(&state->timer, run);
   }
@@ -272,7 +336,10 @@ static void bind(const void *self, device *device, csm_binding *binding) {
   gpu_image_native(device->gpu, state->now.image->image, &native);
   binding->native_maps = native.image;
   binding->native_maps_view = native.view;
-  binding->native_sampler = state->now.casters.look.reversed ? native.sampler_reversed : native.sampler;
+  const bool reversed = state->now.casters.look.reversed;
+  binding->native_sampler = !state->pages[0].across ? (reversed ? native.sampler_reversed : native.sampler)
+                            : reversed              ? native.sampler_repeat_reversed
+                                                    : native.sampler_repeat;
   if (binding->maps_descriptor)
     gpu_image_describe(device->gpu, state->now.image->image, binding->maps_descriptor);
 }
@@ -299,6 +366,8 @@ static csm_result find(const void *self, uint32_t source, uint32_t cascade, tech
                            .width = image->layout.width,
                            .height = image->layout.height,
                            .layer = rect->layer,
+                           .pages = state->pages[cascade].across ? &state->pages[cascade] : NULL,
+                           .cleared = clear_depth(state),
                            .part = {.x = rect->x, .y = rect->y, .width = rect->side, .height = rect->side}};
   return CSM_SUCCESS;
 }
