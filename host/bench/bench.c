@@ -5,6 +5,7 @@
 #include "bench/drawn_moments.h"
 #include "bench/engine.h"
 #include "bench/floor.h"
+#include "bench/pages.h"
 #include "bench/rays.h"
 #include "bench/rows.h"
 #include "bench/scene_plan.h"
@@ -55,6 +56,7 @@ typedef struct bench {
   bench_rows rows[BENCH_TABLES]; /* as many as were wanted */
   uint32_t table_count;
   bench_rays rays;
+  bench_pages pages[HOST_BACKENDS]; /* as many as there are stages, if they are wanted */
 } bench;
 
 /* ---- setting up ---- */
@@ -247,6 +249,13 @@ static int time_rays(bench *b) {
   return code;
 }
 
+static int time_pages(bench *b) {
+  int code = 0;
+  for (uint32_t i = 0; i < b->stage_count && wanted(b, "pages") && code == 0; i++)
+    code = bench_pages_run(&b->pages[i], &b->stages[i], b->options->device, b->pairs);
+  return code;
+}
+
 /* ---- results ---- */
 
 /* What a contender may take at most, as a multiple of the one before it: Vulkan of the bare loop, D3D12 of Vulkan. */
@@ -360,6 +369,10 @@ static json_t *results_to_json(const bench *b) {
     json_object_set_new(object, "bare", bench_bare_to_json(&b->bare));
   if (b->rays.pairs)
     json_object_set_new(object, "rays", bench_rays_to_json(&b->rays));
+  if (b->pages[0].frames)
+    json_object_set_new(object, "pages", json_array());
+  for (uint32_t i = 0; i < b->stage_count && b->pages[i].frames; i++)
+    json_array_append_new(json_object_get(object, "pages"), bench_pages_to_json(&b->pages[i]));
   return object;
 }
 
@@ -382,6 +395,8 @@ static void print_all(FILE *to, const bench *b) {
     bench_bare_print(to, &b->bare);
   if (b->rays.pairs)
     bench_rays_print(to, &b->rays);
+  for (uint32_t i = 0; i < b->stage_count && b->pages[i].frames; i++)
+    bench_pages_print(to, &b->pages[i]);
 }
 
 static int time_depth(bench *b) {
@@ -401,6 +416,8 @@ int bench_command(const host_options *options) {
     code = time_tables(b);
   if (code == 0)
     code = time_rays(b);
+  if (code == 0)
+    code = time_pages(b);
   if (code == 0) {
     print_all(output_table(options), b);
     code = output_json(options, results_to_json(b));

@@ -61,7 +61,8 @@ static const char help[] =
     "  --only PART                 bench: depth (the maps' frame, planning, switching), floors, filters, modes, maps,\n"
     "                              casters (what caster_set view leaves out), moments, drawn (moments written while\n"
     "                              casters are drawn; moments has it, too), bare (the 7 x 7 filter against 49\n"
-    "                              comparisons), or rays (exact shadows: trees, rays, masks, instances that move);\n"
+    "                              comparisons), rays (exact shadows: trees, rays, masks, instances that move), or\n"
+    "                              pages (maps that are kept, against whole ones: what moves, and what does not);\n"
     "                              all of them if none is named\n"
     "  --cascades LIST             report: numbers of maps; 1,2,3,4,5,6,7,8\n"
     "  --resolutions LIST          report: texels a side; 512,1024,2048,4096\n"
@@ -203,15 +204,15 @@ static int parse_sun_samples(host_options *out, const char *value) {
 }
 
 static int parse_only(host_options *out, const char *value) {
-  static const char *const parts[] = {"depth",   "floors",  "filters", "modes", "maps",
-                                      "casters", "moments", "drawn",   "bare",  "rays"};
+  static const char *const parts[] = {"depth",   "floors", "filters", "modes", "maps", "casters",
+                                      "moments", "drawn",  "bare",    "rays",  "pages"};
   out->only = value;
   for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++)
     if (strcmp(value, parts[i]) == 0)
       return 0;
-  return host_fail(HOST_BAD_INPUT,
-                   "--only: not depth, floors, filters, modes, maps, casters, moments, drawn, bare or rays: '%s'",
-                   value);
+  return host_fail(
+      HOST_BAD_INPUT,
+      "--only: not depth, floors, filters, modes, maps, casters, moments, drawn, bare, rays or pages: '%s'", value);
 }
 
 static int parse_scene(host_options *out, const char *value) {

@@ -1,0 +1,182 @@
+#include "bench/pages.h"
+#include "base/host.h"
+#include "base/linear.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WHOLE, PAGES, SIDES };
+
+/* From one frame to the next. */
+typedef struct movement {
+  const char *name;
+  bool all;                              /* every instance changes */
+  double forward_m, turn_deg, light_deg; /* by which camera and light go on */
+  double moved;                          /* the share of the instances that move up and down */
+} movement;
+
+static const movement movements[PAGES_CASES] = {
+    {.name = "all changes", .all = true},
+    {.name = "nothing moves"},
+    {.name = "2 m ahead", .forward_m = 2.0},
+    {.name = "10 m ahead", .forward_m = 10.0},
+    {.name = "turning 2 deg", .turn_deg = 2.0},
+    {.name = "turning 10 deg", .turn_deg = 10.0},
+    {.name = "5 % of the casters move", .moved = 0.05},
+    {.name = "the sun moves 0.01 deg", .light_deg = 0.01},
+};
+
+typedef struct side {
+  host_setup setup; /* as the stage's, but for its configuration */
+  stage stage;
+  double *frame_ms, *plan_ms;
+} side;
+
+/* ---- what moves ---- */
+
+/* Turned about the upright through its place, then moved ahead. */
+static camera moved_camera(const camera *from, double forward_m, double turn_deg) {
+  camera to = *from;
+  const double angle = turn_deg * (3.14159265358979323846 / 180.0), c = cos(angle), s = sin(angle);
+  for (int row = 0; row < 3; ++row) {
+    const double x = from->view[row], z = from->view[8 + row];
+    to.view[row] = c * x - s * z;
+    to.view[8 + row] = s * x + c * z;
+  }
+  const double x = from->forward[0], z = from->forward[2];
+  to.forward[0] = c * x - s * z;
+  to.forward[2] = s * x + c * z;
+  for (int axis = 0; axis < 3; ++axis)
+    to.position[axis] += forward_m * (axis == 1 ? 0.0 : to.forward[axis]);
+  for (int row = 0; row < 3; ++row)
+    to.view[12 + row] =
+        -(to.view[row] * to.position[0] + to.view[4 + row] * to.position[1] + to.view[8 + row] * to.position[2]);
+  return to;
+}
+
+/* Turned about the upright. */
+static scene_light moved_light(const scene_light *from, double turn_deg) {
+  const double angle = turn_deg * (3.14159265358979323846 / 180.0), c = cos(angle), s = sin(angle);
+  scene_light to = *from;
+  to.direction[0] = c * from->direction[0] - s * from->direction[2];
+  to.direction[2] = s * from->direction[0] + c * from->direction[2];
+  return to;
+}
+
+/* So many of the instances, spread over all, are half a metre higher in every second frame. */
+static csm_result move_some(stage *s, double share, uint32_t frame) {
+  const scene *scene = &s->setup->scene;
+  const size_t count = (size_t)((double)scene->instance_count * share);
+  csm_instance_id *ids = host_allocate(count, sizeof *ids);
+  double(*places)[16] = host_allocate(count, sizeof *places);
+  for (size_t i = 0; i < count; ++i) {
+    const size_t from = i * scene->instance_count / count;
+    ids[i] = s->instances[from];
+    memcpy(places[i], scene->instances[from].transform, sizeof places[i]);
+    places[i][13] += 0.5 * (frame % 2);
+  }
+  const csm_scene_batch batch = {
+      .struct_size = sizeof batch, .count = (uint32_t)count, .ids = ids, .matrices = places[0]};
+  const csm_result result = csm_scene_move(s->scene, &batch);
+  free(places);
+  free(ids);
+  return result;
+}
+
+/* ---- frames ---- */
+
+static int draw(side *o, const movement *m, uint32_t frame) {
+  stage *s = &o->stage;
+  const camera eye = moved_camera(&o->setup.camera, m->forward_m * frame, m->turn_deg * frame);
+  const scene_light light = moved_light(&o->setup.light, m->light_deg * frame);
+  if ((m->all && stage_stir(s)) || (m->moved > 0.0 && move_some(s, m->moved, frame)))
+    return host_fail(HOST_NO_DEVICE, "%s: %s", s->backend, csm_last_error(s->context));
+  stage_look(s, &eye);
+  s->light = stage_light(&light);
+  csm_stats stats = {.struct_size = sizeof stats};
+  const double start_ms = host_now_ms();
+  const int code = stage_render(s);
+  o->frame_ms[frame] = host_now_ms() - start_ms;
+  csm_get_stats(s->cascades, &stats);
+  o->plan_ms[frame] = stats.plan_ms;
+  return code;
+}
+
+/* The first frame is no movement. */
+static int draw_case(bench_pages_case *out, side sides[SIDES], const movement *m, uint32_t frames) {
+  int code = 0;
+  host_progress(m->name);
+  for (uint32_t frame = 0; frame <= frames && code == 0; ++frame)
+    for (int i = 0; i < SIDES && code == 0; ++i)
+      code = draw(&sides[i], m, frame);
+  host_progress("");
+  if (code)
+    return code;
+  const double *whole = sides[WHOLE].frame_ms + 1, *pages = sides[PAGES].frame_ms + 1;
+  *out = (bench_pages_case){.name = m->name,
+                            .whole_ms = estimate_median(whole, frames),
+                            .pages_ms = estimate_median(pages, frames),
+                            .ratio = estimate_ratio(pages, whole, frames),
+                            .plan_ms = estimate_median(sides[PAGES].plan_ms + 1, frames).median};
+  for (uint32_t i = 0; i < frames; ++i)
+    out->worst = fmax(out->worst, pages[i] / out->whole_ms.median);
+  return 0;
+}
+
+static int open_side(side *o, int which, const stage *like, const char *device, uint32_t frames) {
+  csm_config *config = &o->setup.config;
+  o->setup = *like->setup;
+  o->frame_ms = host_allocate(frames + 1, sizeof(double));
+  o->plan_ms = host_allocate(frames + 1, sizeof(double));
+  if (which == PAGES) {
+    config->map_layout = CSM_LAYOUT_PAGES;
+    config->caster_set = CSM_CASTER_SET_VIEW;
+  }
+  const int code = stage_open_as(&o->stage, like->backend, device, 0);
+  return code ? code : stage_load(&o->stage, &o->setup);
+}
+
+int bench_pages_run(bench_pages *out, const stage *s, const char *device, uint32_t frames) {
+  side *sides = host_allocate(SIDES, sizeof *sides);
+  int code = 0;
+  *out = (bench_pages){.backend = s->backend, .frames = frames};
+  for (int i = 0; i < SIDES && code == 0; ++i)
+    code = open_side(&sides[i], i, s, device, frames);
+  for (int i = 0; i < PAGES_CASES && code == 0; ++i)
+    code = draw_case(&out->cases[i], sides, &movements[i], frames);
+  for (int i = 0; i < SIDES; ++i) {
+    stage_close(&sides[i].stage);
+    free(sides[i].frame_ms);
+    free(sides[i].plan_ms);
+  }
+  free(sides);
+  return code;
+}
+
+/* ---- results ---- */
+
+void bench_pages_print(FILE *to, const bench_pages *pages) {
+  fprintf(to, "\n  pages, %s: a frame of maps, planned, drawn and waited for, to whole maps; %u frames in turn\n",
+          pages->backend, pages->frames);
+  fprintf(to, "  %-26s %9s %9s %9s   %-17s %7s %8s\n", "", "whole ms", "pages ms", "ratio", "95 % interval", "worst",
+          "plan ms");
+  for (int i = 0; i < PAGES_CASES; ++i) {
+    const bench_pages_case *c = &pages->cases[i];
+    fprintf(to, "  %-26s %9.2f %9.2f %9.4f   %7.4f .. %-7.4f %7.4f %8.3f\n", c->name, c->whole_ms.median,
+            c->pages_ms.median, c->ratio.median, c->ratio.low, c->ratio.high, c->worst, c->plan_ms);
+  }
+}
+
+json_t *bench_pages_to_json(const bench_pages *pages) {
+  json_t *object = json_object();
+  json_object_set_new(object, "backend", json_string(pages->backend));
+  json_object_set_new(object, "frames", json_integer(pages->frames));
+  for (int i = 0; i < PAGES_CASES; ++i) {
+    const bench_pages_case *c = &pages->cases[i];
+    json_object_set_new(object, c->name,
+                        json_pack("{s:o,s:o,s:o,s:f,s:f}", "whole_ms", estimate_to_json(&c->whole_ms), "pages_ms",
+                                  estimate_to_json(&c->pages_ms), "pages/whole", estimate_to_json(&c->ratio), "worst",
+                                  c->worst, "plan_ms", c->plan_ms));
+  }
+  return object;
+}
