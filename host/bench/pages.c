@@ -1,6 +1,5 @@
 #include "bench/pages.h"
 #include "base/host.h"
-#include "base/linear.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,35 +33,6 @@ typedef struct side {
 
 /* ---- what moves ---- */
 
-/* Turned about the upright through its place, then moved ahead. */
-static camera moved_camera(const camera *from, double forward_m, double turn_deg) {
-  camera to = *from;
-  const double angle = turn_deg * (3.14159265358979323846 / 180.0), c = cos(angle), s = sin(angle);
-  for (int row = 0; row < 3; ++row) {
-    const double x = from->view[row], z = from->view[8 + row];
-    to.view[row] = c * x - s * z;
-    to.view[8 + row] = s * x + c * z;
-  }
-  const double x = from->forward[0], z = from->forward[2];
-  to.forward[0] = c * x - s * z;
-  to.forward[2] = s * x + c * z;
-  for (int axis = 0; axis < 3; ++axis)
-    to.position[axis] += forward_m * (axis == 1 ? 0.0 : to.forward[axis]);
-  for (int row = 0; row < 3; ++row)
-    to.view[12 + row] =
-        -(to.view[row] * to.position[0] + to.view[4 + row] * to.position[1] + to.view[8 + row] * to.position[2]);
-  return to;
-}
-
-/* Turned about the upright. */
-static scene_light moved_light(const scene_light *from, double turn_deg) {
-  const double angle = turn_deg * (3.14159265358979323846 / 180.0), c = cos(angle), s = sin(angle);
-  scene_light to = *from;
-  to.direction[0] = c * from->direction[0] - s * from->direction[2];
-  to.direction[2] = s * from->direction[0] + c * from->direction[2];
-  return to;
-}
-
 /* So many of the instances, spread over all, are half a metre higher in every second frame. */
 static csm_result move_some(stage *s, double share, uint32_t frame) {
   const scene *scene = &s->setup->scene;
@@ -87,8 +57,8 @@ static csm_result move_some(stage *s, double share, uint32_t frame) {
 
 static int draw(side *o, const movement *m, uint32_t frame) {
   stage *s = &o->stage;
-  const camera eye = moved_camera(&o->setup.camera, m->forward_m * frame, m->turn_deg * frame);
-  const scene_light light = moved_light(&o->setup.light, m->light_deg * frame);
+  const camera eye = camera_moved(&o->setup.camera, m->forward_m * frame, 0.0, m->turn_deg * frame);
+  const scene_light light = scene_light_turned(&o->setup.light, m->light_deg * frame);
   if ((m->all && stage_stir(s)) || (m->moved > 0.0 && move_some(s, m->moved, frame)))
     return host_fail(HOST_NO_DEVICE, "%s: %s", s->backend, csm_last_error(s->context));
   stage_look(s, &eye);

@@ -35,6 +35,7 @@ const hard_case *const hard_cases[] = {
     &hard_exact_shapes,
     &hard_exact_moving,
     &hard_exact_scenes,
+    &hard_pages,
     NULL,
 };
 /* clang-format on */

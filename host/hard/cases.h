@@ -35,6 +35,7 @@ extern const hard_case hard_exact_acne;
 extern const hard_case hard_exact_shapes;
 extern const hard_case hard_exact_moving;
 extern const hard_case hard_exact_scenes;
+extern const hard_case hard_pages;
 
 /* In the order of the table; NULL ends it. */
 extern const hard_case *const hard_cases[];

@@ -166,3 +166,22 @@ double camera_pixel_x(const camera_rays *rays, uint32_t column) {
 double camera_pixel_y(const camera_rays *rays, uint32_t row) {
   return 1.0 - 2.0 * (row + 0.5) / rays->height;
 }
+
+camera camera_moved(const camera *from, double ahead_m, double aside_m, double turned_deg) {
+  const double angle = turned_deg * (3.14159265358979323846 / 180.0), c = cos(angle), s = sin(angle);
+  const double x = from->forward[0], z = from->forward[2];
+  camera to = *from;
+  for (int row = 0; row < 3; row++) {
+    to.view[row] = c * from->view[row] - s * from->view[8 + row];
+    to.view[8 + row] = s * from->view[row] + c * from->view[8 + row];
+  }
+  to.forward[0] = c * x + s * z;
+  to.forward[2] = -s * x + c * z;
+  const double level = hypot(to.forward[0], to.forward[2]);
+  to.position[0] += (ahead_m * to.forward[0] - aside_m * to.forward[2]) / level;
+  to.position[2] += (ahead_m * to.forward[2] + aside_m * to.forward[0]) / level;
+  for (int row = 0; row < 3; row++)
+    to.view[12 + row] = -(to.view[row] * to.position[0] + to.view[4 + row] * to.position[1] +
+                          to.view[8 + row] * to.position[2]);
+  return to;
+}

@@ -34,6 +34,9 @@ void camera_from_pose(camera *out, const camera_pose *pose, double aspect);
  */
 const char *camera_from_matrices(camera *out, const double view[16], const double projection[16], const bool *reversed);
 
+/* One that is turned to the left about the upright through its place, and then goes on level, ahead and to the right. */
+camera camera_moved(const camera *from, double ahead_m, double aside_m, double turned_deg);
+
 /* The rays through the centres of a picture's pixels. */
 typedef struct camera_rays {
   double unproject[16]; /* clip to view */

@@ -140,3 +140,11 @@ void scene_free(scene *s) {
   free(s->instances);
   memset(s, 0, sizeof *s);
 }
+
+scene_light scene_light_turned(const scene_light *from, double turned_deg) {
+  const double angle = turned_deg * (3.14159265358979323846 / 180.0), c = cos(angle), s = sin(angle);
+  scene_light to = *from;
+  to.direction[0] = c * from->direction[0] + s * from->direction[2];
+  to.direction[2] = -s * from->direction[0] + c * from->direction[2];
+  return to;
+}

@@ -48,6 +48,9 @@ typedef struct scene_light {
   double disc_deg;     /* the sun's apparent diameter; 0 is a hard sun */
 } scene_light;
 
+/* Turned about the upright. */
+scene_light scene_light_turned(const scene_light *from, double turned_deg);
+
 typedef struct scene {
   char name[256];
   scene_material *materials;

@@ -651,6 +651,8 @@ typedef struct csm_stats {
   uint64_t tree_bytes;     /* device memory of what rays look up: trees of the context's meshes, and of instances */
   double mesh_trees_ms;    /* making the trees of the context's meshes, all together, on the CPU */
   double instance_tree_ms; /* bringing the instances' tree up to date in the last csm_render_cascades */
+  uint32_t pages_drawn;    /* with map_layout pages: of all maps, those that the last frame drew */
+  uint32_t pages_valid;    /* and those that then hold what they would if they were drawn */
 } csm_stats;
 
 /*

@@ -34,6 +34,7 @@ typedef struct maps_state {
   csm_cascade_stats cascades[CSM_MAX_CASCADES];
   pass_timer timer; /* of the clear, of each cascade */
   technique_pages pages[CSM_MAX_CASCADES];
+  uint32_t pages_drawn, pages_valid;
 } maps_state;
 
 /* ---- images ---- */
@@ -255,9 +256,6 @@ static void count_casters(maps_state *state, const technique_run *run) {
     const plan_cascade *of = &run->plan->cascades[i];
     state->cascades[i] =
         (csm_cascade_stats){.casters_drawn = of->casters, .casters_culled = run->scene->caster_count - of->casters};
-    state->pages[i] = (technique_pages){.across = run->plan->pages ? PLAN_CELLS : 0,
-                                        .begin = {of->begin_texels[0], of->begin_texels[1]}};
-    memcpy(state->pages[i].valid, of->valid, sizeof of->valid);
   }
   for (uint32_t i = 0; i < run->plan->window_count; ++i) {
     const plan_list *list = &run->plan->windows[i].list;
@@ -265,6 +263,25 @@ static void count_casters(maps_state *state, const technique_run *run) {
     for (uint32_t d = 0; d < list->draw_count; ++d)
       stats->triangles_drawn +=
           (uint64_t)run->device->geometry.meshes[list->draws[d].mesh].index_count / 3 * list->draws[d].count;
+  }
+}
+
+static uint32_t count_bits(const uint64_t rows[PLAN_CELLS]) {
+  uint32_t bits = 0;
+  for (uint32_t i = 0; i < PLAN_CELLS; ++i)
+    bits += (uint32_t)__builtin_popcountll(rows[i]);
+  return bits;
+}
+
+static void count_pages(maps_state *state, const technique_run *run) {
+  state->pages_drawn = state->pages_valid = 0;
+  for (uint32_t i = 0; i < run->plan->cascade_count; ++i) {
+    const plan_cascade *of = &run->plan->cascades[i];
+    state->pages[i] = (technique_pages){.across = run->plan->pages ? PLAN_CELLS : 0,
+                                        .begin = {of->begin_texels[0], of->begin_texels[1]}};
+    memcpy(state->pages[i].valid, of->valid, sizeof of->valid);
+    state->pages_drawn += count_bits(of->due);
+    state->pages_valid += count_bits(of->valid);
   }
 }
 
@@ -326,6 +343,7 @@ static void record(void *self, const technique_run *run) {
   image->written = true;
   state->drawn = true;
   count_casters(state, run);
+  count_pages(state, run);
 }
 
 /* ---- what came of it ---- */
@@ -350,6 +368,8 @@ static void tell(const void *self, const device *device, csm_stats *stats) {
   for (uint32_t i = 0; i < CSM_MAX_CASCADES; ++i)
     stats->cascades[i].gpu_ms = pass_timer_ms(&state->timer, 1 + i);
   stats->clear_gpu_ms = pass_timer_ms(&state->timer, 0);
+  stats->pages_drawn = state->pages_drawn;
+  stats->pages_valid = state->pages_valid;
   stats->map_bytes += gpu_image_bytes(device->gpu, state->now.image->image);
 }
 

@@ -16,10 +16,13 @@ enum { BLOCKS = MASK_CASCADES_BLOCK + MASK_CAMERA_BLOCK };
 _Static_assert(sizeof(csm_constants) <= MASK_CASCADES_BLOCK, "MASK_CASCADES_BLOCK");
 _Static_assert(CSM_M_COUNT * 4 * sizeof(float) <= MASK_CAMERA_BLOCK, "MASK_CAMERA_BLOCK");
 
+/* Shapes of programs, by the samplers that they have. */
+enum { MASK_PLAIN, MASK_MOMENTS, MASK_LEVELS, MASK_PAGES, MASK_SHAPES };
+
 typedef struct mask_state {
-  drawn_images mask, frame; /* frame: one of the view's history, which has the mask then */
-  inputs inputs[2][3];      /* without and with normals; moments: none, of one level, of more */
-  bool accumulated;         /* the frame was drawn last */
+  drawn_images mask, frame;      /* frame: one of the view's history, which has the mask then */
+  inputs inputs[2][MASK_SHAPES]; /* without and with normals */
+  bool accumulated;              /* the frame was drawn last */
   pass_timer timer;
   /* of the recording on its way */
   ring_range ring;
@@ -77,7 +80,10 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
   if (result)
     return result;
   gpu_image *moments = mask_reads_moments(run->config, show) ? moments_image(run->cascades, run->config) : NULL;
-  const uint32_t levels = !moments ? 0 : run->config->moment_levels > 1 ? 2 : 1;
+  const uint32_t shape = plan_has_pages(run->config)      ? MASK_PAGES
+                         : !moments                       ? MASK_PLAIN
+                         : run->config->moment_levels > 1 ? MASK_LEVELS
+                                                          : MASK_MOMENTS;
   picture->normals = normals;
   picture->mask_constants = *ring;
   picture->mask = drawn_image_next(images)->image;
@@ -90,7 +96,7 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
       .textures = {maps_image(run->cascades), picture->depth, moments ? moments : normals.image,
                    moments ? normals.image : NULL},
   };
-  return inputs_find(&state->inputs[normals.image != NULL][levels], device, &reads, &state->input);
+  return inputs_find(&state->inputs[normals.image != NULL][shape], device, &reads, &state->input);
 }
 
 static void write(void *self, const technique_run *run) {
@@ -130,8 +136,8 @@ static void drop(void *self, device *device) {
   drawn_image_drop(&state->mask, device);
   drawn_image_drop(&state->frame, device);
   for (int normals = 0; normals < 2; ++normals)
-    for (int levels = 0; levels < 3; ++levels)
-      inputs_drop(&state->inputs[normals][levels], device);
+    for (int shape = 0; shape < MASK_SHAPES; ++shape)
+      inputs_drop(&state->inputs[normals][shape], device);
   state->accumulated = false;
 }
 
