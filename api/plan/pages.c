@@ -83,7 +83,7 @@ static bool knows_changes(const plan_frame_info *info) {
   const plan_history *before = info->before;
   return info->maps_kept && before && cache && info->scene->identity && cache->keeps && !cache->spoiled &&
          before->pages_identity == info->scene->identity && cache->identity == info->scene->identity &&
-         cache->changed_from <= before->pages_revision && before->pages_layers == info->light_layers;
+         before->pages_layers == info->light_layers;
 }
 
 void plan_pages_begin(const plan_frame_info *info) {
@@ -92,7 +92,6 @@ void plan_pages_begin(const plan_frame_info *info) {
       cache->revision != info->before->pages_revision)
     return;
   cache->changed = 0;
-  cache->changed_from = cache->revision;
   cache->spoiled = false;
 }
 

@@ -306,10 +306,8 @@ typedef struct plan_cache {
   bool keeps;     /* what follows says what the memory holds */
   uint64_t identity, revision;
   double basis[9];
-  /* Boxes of what changed, as they were and as they are, since a revision; not all are there if it is `spoiled` */
-  uint32_t changed;
-  uint64_t changed_from;
-  bool spoiled;
+  uint32_t changed; /* boxes of what changed since plan_pages_begin, as they were and as they are */
+  bool spoiled;     /* not all of them are there */
 } plan_cache;
 
 size_t plan_cache_size(uint32_t slot_count);

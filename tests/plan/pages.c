@@ -195,6 +195,11 @@ static void one_frame(walker *w, int frame) {
     }
 }
 
+static void stretch(world *w, float half) {
+  plan_bounds_make(&w->bounds[0], (float[]){-1, -half, -1}, (float[]){1, half, 1});
+  instances_mesh_changed(&w->store, &w->meshes, 0);
+}
+
 static void valid_pages_hold_what_they_would(void **state) {
   (void)state;
   walker *w = calloc(1, sizeof *w);
@@ -207,6 +212,8 @@ static void valid_pages_hold_what_they_would(void **state) {
       world_change(&w->world);
     if (frame % 50 == 49)
       random_unit(random, w->light);
+    if (frame % 40 == 39) /* the scene's range along the light grows, or shrinks */
+      stretch(&w->world, frame % 80 == 39 ? 400.0f : 1.0f);
     walk(&w->camera, random, frame);
     world_reserve_cache(&w->cache, w->world.store.ids.count);
     one_frame(w, frame);
