@@ -195,8 +195,8 @@ static void one_frame(walker *w, int frame) {
     }
 }
 
-static void stretch(world *w, float half) {
-  plan_bounds_make(&w->bounds[0], (float[]){-1, -half, -1}, (float[]){1, half, 1});
+static void stretch(world *w, float away) {
+  plan_bounds_make(&w->bounds[0], (float[]){-1, away, -1}, (float[]){1, away + 1.0f, 1});
   instances_mesh_changed(&w->store, &w->meshes, 0);
 }
 
@@ -213,7 +213,7 @@ static void valid_pages_hold_what_they_would(void **state) {
     if (frame % 50 == 49)
       random_unit(random, w->light);
     if (frame % 40 == 39) /* the scene's range along the light grows, or shrinks */
-      stretch(&w->world, frame % 80 == 39 ? 400.0f : 1.0f);
+      stretch(&w->world, frame % 80 == 39 ? 400.0f : 0.0f);
     walk(&w->camera, random, frame);
     world_reserve_cache(&w->cache, w->world.store.ids.count);
     one_frame(w, frame);
