@@ -6,7 +6,7 @@
 #include "hard/hard.h"
 #include <math.h>
 
-enum { FILTERS = 10, BIASES = 4, BLENDS = 3, SELECTIONS = 3, LAYOUTS = 2, ENDS = 3, SPLITS = 4 };
+enum { FILTERS = 10, BIASES = 4, BLENDS = 3, SELECTIONS = 3, LAYOUTS = 3, ENDS = 3, SPLITS = 4 };
 
 static const double splits[SPLITS] = {8.0, 16.0, 32.0, 64.0};
 
@@ -17,6 +17,11 @@ typedef struct borders_setting {
   uint32_t filter, bias, blend, selection, layout, end; /* from FILTERS on a filter is one of hard_filters */
   bool wide; /* filters, offsets, bands and grids as large as they may be, with texels for them */
 } borders_setting;
+
+/* Pages keep none. */
+static bool reads_moments(const csm_config *config) {
+  return (config->filter >= CSM_FILTER_VSM && config->filter <= CSM_FILTER_MSM4) || config->filter == CSM_FILTER_VSSM;
+}
 
 static csm_config make_config(const csm_config *from, borders_setting s) {
   csm_config config = *from;
@@ -38,6 +43,8 @@ static csm_config make_config(const csm_config *from, borders_setting s) {
   config.blend_mode = s.blend % BLENDS;
   config.selection = s.selection % SELECTIONS;
   config.map_layout = s.layout % LAYOUTS;
+  if (config.map_layout == CSM_LAYOUT_PAGES && reads_moments(&config))
+    config.map_layout = CSM_LAYOUT_ARRAY;
   config.out_of_range = s.end % ENDS;
   config.fade_share = 0.25;
   if (s.wide) {
@@ -48,7 +55,7 @@ static csm_config make_config(const csm_config *from, borders_setting s) {
     config.bias_normal_texels *= 2.5;
     config.blend_share = 1.0;
     config.snap_mode = CSM_SNAP_FLOOR;
-    config.snap_power = 4;
+    config.snap_power = config.map_layout == CSM_LAYOUT_PAGES ? 0 : 4;
   }
   return config;
 }

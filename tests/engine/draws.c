@@ -254,11 +254,38 @@ static void no_ray_meets_the_engines_casters(void **state) {
   leave_to_maps(0);
 }
 
+/* Nobody knows what of it changed. */
+static void pages_hold_nothing_that_a_callback_draws(void **state) {
+  (void)state;
+  stage stage;
+  hill hill;
+  hill_make(&hill);
+  rig *rig = rig_open(RIG_TYPICAL);
+  open_hills(&stage, rig, &hill, 0);
+  caster caster = open_caster(&stage, &hill);
+  shot shot = stage_shot(&stage, 0);
+  stage.config.map_layout = CSM_LAYOUT_PAGES;
+  assert_int_equal(csm_cascades_configure(stage.cascades, &stage.config), CSM_SUCCESS);
+  rig_begin(rig);
+  shot.frame.draw = draw_hills;
+  shot.frame.draw_user = &caster;
+  assert_int_equal(csm_render_cascades(stage.cascades, shot_frame(&shot)), CSM_ERROR_UNSUPPORTED);
+  assert_non_null(strstr(csm_last_error(stage.context), "map_layout pages"));
+  assert_int_equal(caster.count, 0);
+  shot.frame.draw = NULL;
+  stage_render(&stage, &shot);
+  stage_finish(&stage);
+  rig_caster_free(caster.hills);
+  stage_close(&stage);
+  rig_close(rig);
+}
+
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(own_casters_are_drawn),
       cmocka_unit_test(all_casters_may_be_the_engines),
       cmocka_unit_test(no_ray_meets_the_engines_casters),
+      cmocka_unit_test(pages_hold_nothing_that_a_callback_draws),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
 }

@@ -190,6 +190,50 @@ static void test_a_mask(void **state) {
   assert_int_equal(count(bind, "draw count=3 instances=1"), 1);
 }
 
+/* Pages that are there are neither cleared nor drawn; what moves is, in a part of what clip space covers. */
+static void test_pages(void **state) {
+  fixture *f = *state;
+  const char *text = f->commands.text;
+  csm_config config = support_config();
+  csm_instance_id ids[SUPPORT_INSTANCES];
+  const csm_scene_batch all = {
+      .struct_size = sizeof all, .count = SUPPORT_INSTANCES, .ids = ids, .instances = f->scene.instances};
+  csm_scene *scene;
+  assert_int_equal(csm_scene_create(f->context, &scene), CSM_SUCCESS);
+  assert_int_equal(csm_scene_add(scene, &all), CSM_SUCCESS);
+  config.map_layout = CSM_LAYOUT_PAGES;
+  config.resolution = SIDE;
+  assert_int_equal(csm_cascades_configure(f->cascades, &config), CSM_SUCCESS);
+  f->scene.shot.frame.instances = NULL;
+  f->scene.shot.frame.instance_count = 0;
+  f->scene.shot.frame.scene = scene;
+  render(f);
+  assert_int_equal(count(text, "clear_depth"), 1);
+  assert_true(count(text, "draw ") > 0);
+  render(f);
+  assert_int_equal(count(text, "clear_depth") + count(text, "pass_begin") + count(text, "draw "), 0);
+
+  double moved[16];
+  memcpy(moved, f->scene.instances[1].transform, sizeof moved);
+  moved[12] += 0.5;
+  const csm_scene_batch one = {.struct_size = sizeof one, .count = 1, .ids = &ids[1], .matrices = moved};
+  assert_int_equal(csm_scene_move(scene, &one), CSM_SUCCESS);
+  render(f);
+  csm_stats stats = {.struct_size = sizeof stats};
+  assert_int_equal(csm_get_stats(f->cascades, &stats), CSM_SUCCESS);
+  assert_true(stats.pages_drawn > 0 && stats.pages_drawn < stats.pages_valid / 2);
+  assert_int_equal(count(text, "clear_depth"), 0);
+  uint32_t cleared = 0, drawn = 0;
+  for (const char *pass = strstr(text, "pass_begin"); pass; pass = strstr(pass + 1, "pass_begin")) {
+    const char *end = strchr(pass, '\n'), *depth = strstr(pass, "depth 1"), *clip = strstr(pass, "clip 0 0 64 64");
+    cleared += depth && depth < end;
+    drawn += clip && clip < end;
+  }
+  assert_true(cleared > 0 && drawn > 0);
+  assert_int_equal(count(text, "pass_begin"), cleared + drawn);
+  assert_int_equal(f->commands.breaches, 0);
+}
+
 static void test_an_error_records_nothing(void **state) {
   fixture *f = *state;
   render(f);
@@ -208,6 +252,7 @@ int main(void) {
       cmocka_unit_test_setup_teardown(test_slots_in_turn, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_timestamps, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_a_mask, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(test_pages, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_an_error_records_nothing, set_up, tear_down),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -103,6 +103,13 @@ static void contradictions_are_found_and_named(void **state) {
       {{"blend_mode", "blend_share"}, {CSM_BLEND_LINEAR, 0.0}, "blend_share"},
       {{"blend_mode", "blend_share"}, {CSM_BLEND_DITHERED, 0.0}, "blend_share"},
       {{"out_of_range", "fade_share"}, {CSM_OUT_OF_RANGE_FADED, 0.0}, "fade_share"},
+      {{"map_layout", "fit_mode"}, {CSM_LAYOUT_PAGES, CSM_FIT_CASCADE}, "fit_mode"},
+      {{"map_layout", "fit_mode"}, {CSM_LAYOUT_PAGES, CSM_FIT_SCENE}, "fit_mode"},
+      {{"map_layout", "snap_mode"}, {CSM_LAYOUT_PAGES, CSM_SNAP_OFF}, "snap_mode"},
+      {{"map_layout", "snap_power"}, {CSM_LAYOUT_PAGES, 1}, "snap_power"},
+      {{"map_layout", "resolution"}, {CSM_LAYOUT_PAGES, 1000}, "multiple of 64"},
+      {{"map_layout", "resolutions"}, {CSM_LAYOUT_PAGES, 1024}, "resolutions"},
+      {{"map_layout", "filter"}, {CSM_LAYOUT_PAGES, CSM_FILTER_EVSM4}, "moments"},
   };
   for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
     check_contradiction(&all[i]);
@@ -133,6 +140,19 @@ static void filters_take_what_they_can_use(void **state) {
   config.filter = CSM_FILTER_VOGEL;
   for (config.filter_taps = 1; config.filter_taps <= 64; ++config.filter_taps)
     expect(&config, CSM_SUCCESS, "", "points");
+}
+
+/* What is kept cannot move in every frame. */
+static void pages_are_not_jittered(void **state) {
+  (void)state;
+  csm_config config = base_config();
+  config.map_layout = CSM_LAYOUT_PAGES;
+  config.history_jitter = 1;
+  expect(&config, CSM_SUCCESS, "", "a jitter without a history");
+  config.history = CSM_HISTORY_ON;
+  expect(&config, CSM_ERROR_INVALID_VALUE, "history_jitter", "a jitter");
+  config.history_jitter = 0;
+  expect(&config, CSM_SUCCESS, "", "a history");
 }
 
 static void shares_end_at_one(void **state) {
@@ -167,6 +187,7 @@ int main(void) {
       cmocka_unit_test(every_field_says_what_it_is),
       cmocka_unit_test(contradictions_are_found_and_named),
       cmocka_unit_test(filters_take_what_they_can_use),
+      cmocka_unit_test(pages_are_not_jittered),
       cmocka_unit_test(shares_end_at_one),
       cmocka_unit_test(single_resolutions_count_where_there_is_a_cascade),
   };
