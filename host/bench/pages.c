@@ -29,6 +29,7 @@ typedef struct side {
   host_setup setup; /* as the stage's, but for its configuration */
   stage stage;
   double *frame_ms, *plan_ms;
+  double pages, valid, triangles; /* of the case's frames so far */
 } side;
 
 /* ---- what moves ---- */
@@ -55,6 +56,13 @@ static csm_result move_some(stage *s, double share, uint32_t frame) {
 
 /* ---- frames ---- */
 
+static void count(side *o, const csm_stats *stats) {
+  o->pages += stats->pages_drawn;
+  o->valid += stats->pages_valid;
+  for (uint32_t i = 0; i < stats->cascade_count; ++i)
+    o->triangles += (double)stats->cascades[i].triangles_drawn;
+}
+
 static int draw(side *o, const movement *m, uint32_t frame) {
   stage *s = &o->stage;
   const camera eye = camera_moved(&o->setup.camera, m->forward_m * frame, 0.0, m->turn_deg * frame);
@@ -69,6 +77,8 @@ static int draw(side *o, const movement *m, uint32_t frame) {
   o->frame_ms[frame] = host_now_ms() - start_ms;
   csm_get_stats(s->cascades, &stats);
   o->plan_ms[frame] = stats.plan_ms;
+  if (frame > 0)
+    count(o, &stats);
   return code;
 }
 
@@ -76,6 +86,8 @@ static int draw(side *o, const movement *m, uint32_t frame) {
 static int draw_case(bench_pages_case *out, side sides[SIDES], const movement *m, uint32_t frames) {
   int code = 0;
   host_progress(m->name);
+  for (int i = 0; i < SIDES; ++i)
+    sides[i].pages = sides[i].valid = sides[i].triangles = 0.0;
   for (uint32_t frame = 0; frame <= frames && code == 0; ++frame)
     for (int i = 0; i < SIDES && code == 0; ++i)
       code = draw(&sides[i], m, frame);
@@ -87,7 +99,11 @@ static int draw_case(bench_pages_case *out, side sides[SIDES], const movement *m
                             .whole_ms = estimate_median(whole, frames),
                             .pages_ms = estimate_median(pages, frames),
                             .ratio = estimate_ratio(pages, whole, frames),
-                            .plan_ms = estimate_median(sides[PAGES].plan_ms + 1, frames).median};
+                            .plan_ms = estimate_median(sides[PAGES].plan_ms + 1, frames).median,
+                            .pages = sides[PAGES].pages / frames,
+                            .valid = sides[PAGES].valid / frames,
+                            .triangles = sides[PAGES].triangles / frames,
+                            .whole_triangles = sides[WHOLE].triangles / frames};
   for (uint32_t i = 0; i < frames; ++i)
     out->worst = fmax(out->worst, pages[i] / out->whole_ms.median);
   return 0;
@@ -128,12 +144,13 @@ int bench_pages_run(bench_pages *out, const stage *s, const char *device, uint32
 void bench_pages_print(FILE *to, const bench_pages *pages) {
   fprintf(to, "\n  pages, %s: a frame of maps, planned, drawn and waited for, to whole maps; %u frames in turn\n",
           pages->backend, pages->frames);
-  fprintf(to, "  %-26s %9s %9s %9s   %-17s %7s %8s\n", "", "whole ms", "pages ms", "ratio", "95 % interval", "worst",
-          "plan ms");
+  fprintf(to, "  %-24s %8s %8s %7s  %-16s %7s %7s %11s %15s\n", "", "whole ms", "pages ms", "ratio", "95 % interval",
+          "worst", "plan ms", "pages", "triangles, k");
   for (int i = 0; i < PAGES_CASES; ++i) {
     const bench_pages_case *c = &pages->cases[i];
-    fprintf(to, "  %-26s %9.2f %9.2f %9.4f   %7.4f .. %-7.4f %7.4f %8.3f\n", c->name, c->whole_ms.median,
-            c->pages_ms.median, c->ratio.median, c->ratio.low, c->ratio.high, c->worst, c->plan_ms);
+    fprintf(to, "  %-24s %8.2f %8.2f %7.4f  %.4f .. %.4f %7.4f %7.3f %5.0f /%5.0f %6.0f /%7.0f\n", c->name,
+            c->whole_ms.median, c->pages_ms.median, c->ratio.median, c->ratio.low, c->ratio.high, c->worst, c->plan_ms,
+            c->pages, c->valid, 1e-3 * c->triangles, 1e-3 * c->whole_triangles);
   }
 }
 
@@ -144,9 +161,11 @@ json_t *bench_pages_to_json(const bench_pages *pages) {
   for (int i = 0; i < PAGES_CASES; ++i) {
     const bench_pages_case *c = &pages->cases[i];
     json_object_set_new(object, c->name,
-                        json_pack("{s:o,s:o,s:o,s:f,s:f}", "whole_ms", estimate_to_json(&c->whole_ms), "pages_ms",
-                                  estimate_to_json(&c->pages_ms), "pages/whole", estimate_to_json(&c->ratio), "worst",
-                                  c->worst, "plan_ms", c->plan_ms));
+                        json_pack("{s:o,s:o,s:o,s:f,s:f,s:f,s:f,s:f,s:f}", "whole_ms", estimate_to_json(&c->whole_ms),
+                                  "pages_ms", estimate_to_json(&c->pages_ms), "pages/whole",
+                                  estimate_to_json(&c->ratio), "worst", c->worst, "plan_ms", c->plan_ms, "pages",
+                                  c->pages, "valid", c->valid, "triangles", c->triangles, "whole_triangles",
+                                  c->whole_triangles));
   }
   return object;
 }

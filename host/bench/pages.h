@@ -15,6 +15,8 @@ typedef struct bench_pages_case {
   estimate whole_ms, pages_ms, ratio; /* wall-clock: planned, recorded, drawn and waited for */
   double worst;                       /* the largest of the ratios to the median of whole maps */
   double plan_ms;                     /* CPU: median */
+  double pages, valid, triangles; /* of a frame, on average: pages drawn, and valid, of all maps, and triangles drawn */
+  double whole_triangles;         /* of whole maps */
 } bench_pages_case;
 
 typedef struct bench_pages {

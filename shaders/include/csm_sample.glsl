@@ -14,8 +14,8 @@
 //                    inclusions, all but the last have one
 //   CSM_MAPS         the maps (csm_maps)
 //   CSM_SAMPLER      a samplerShadow, where CSM_MAPS is a texture2DArray without one
-//   CSM_DEPTHS       a sampler2DArray of the same maps, point and clamped: faster, and needed for filter linear_depth,
-//                    which through comparisons alone gives the bilinear comparison
+//   CSM_DEPTHS       a sampler2DArray of the same maps, point and clamped, or with map_layout pages repeated: faster, and
+//                    needed for filter linear_depth, which through comparisons alone gives the bilinear comparison
 //   CSM_DEPTH_ONLY   1: there is no sampler that compares, and no CSM_MAPS: all is read through CSM_DEPTHS
 //   CSM_MOMENTS      a sampler2DArray, the moments with a sampler that is linear, also between levels, and clamped, for
 //                    filters that read them (csm_moments, where a define fixes such a filter); without it those are

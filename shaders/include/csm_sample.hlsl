@@ -13,7 +13,8 @@
 //                    for another light, and forgets all defines but those of the shared headers. Where there are several
 //                    inclusions, all but the last have one
 //   CSM_MAPS         the maps (csm_maps)
-//   CSM_POINT        a sampler, point and clamped: four texels are gathered at once then, which is faster
+//   CSM_POINT        a sampler, point and clamped, or with map_layout pages repeated: four texels are gathered at once then,
+//                    which is faster
 //   CSM_MOMENTS      a Texture2DArray<float4>, the moments, for filters that read them (csm_moments, where a define fixes
 //                    such a filter); without it those are pcf_3x3
 //   CSM_LINEAR       a sampler for it: linear, also between levels, clamped (csm_linear)

@@ -263,13 +263,17 @@ static void pages_hold_nothing_that_a_callback_draws(void **state) {
   rig *rig = rig_open(RIG_TYPICAL);
   open_hills(&stage, rig, &hill, 0);
   caster caster = open_caster(&stage, &hill);
-  shot shot = stage_shot(&stage, 0);
   stage.config.map_layout = CSM_LAYOUT_PAGES;
+  stage.config.resolution = 256;
   assert_int_equal(csm_cascades_configure(stage.cascades, &stage.config), CSM_SUCCESS);
   rig_begin(rig);
+  shot shot = stage_shot(&stage, 0);
   shot.frame.draw = draw_hills;
   shot.frame.draw_user = &caster;
-  assert_int_equal(csm_render_cascades(stage.cascades, shot_frame(&shot)), CSM_ERROR_UNSUPPORTED);
+  stage.record.quiet = true;
+  const csm_result result = csm_render_cascades(stage.cascades, shot_frame(&shot));
+  if (result != CSM_ERROR_UNSUPPORTED)
+    fail_msg("%s: %s", csm_result_name(result), csm_last_error(stage.context));
   assert_non_null(strstr(csm_last_error(stage.context), "map_layout pages"));
   assert_int_equal(caster.count, 0);
   shot.frame.draw = NULL;

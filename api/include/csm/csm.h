@@ -541,7 +541,8 @@ typedef struct csm_cascade_info {
   double far_depth;           /* and ends */
   double texel_size;          /* in metres */
   double depth_range;         /* metres along the light from depth 0 to depth 1 */
-  double world_to_shadow[16]; /* world to texture coordinates and depth */
+  double world_to_shadow[16]; /* world to texture coordinates and depth; with map_layout pages those of the map, which
+                                 begins within its layer and goes on at the other side: use the includes, or a mask */
 } csm_cascade_info;
 
 typedef struct csm_binding {
@@ -559,8 +560,8 @@ typedef struct csm_binding {
   uint32_t setting_constants_size; /* it grows with csm, at its end */
   uint64_t native_maps;            /* VkImage, or ID3D12Resource*: the array of maps, readable by shaders */
   uint64_t native_maps_view;       /* Vulkan: VkImageView, 2D array, depth; D3D12: 0 */
-  uint64_t native_sampler;         /* Vulkan: VkSampler that compares: linear, clamped, less or equal, or with
-                                      map_reversed greater or equal; D3D12: 0 */
+  uint64_t native_sampler;         /* Vulkan: VkSampler that compares: linear, clamped (with map_layout pages
+                                      repeated), less or equal, or with map_reversed greater or equal; D3D12: 0 */
   uint64_t native_mask;            /* as native_maps, the view's mask; 0 without a view, or before its first mask */
   uint64_t native_mask_view;       /* Vulkan: VkImageView, 2D; D3D12: 0 */
   uint64_t maps_descriptor;        /* in, D3D12: D3D12_CPU_DESCRIPTOR_HANDLE.ptr that gets a view of the maps; or 0 */
