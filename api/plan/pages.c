@@ -3,7 +3,10 @@
 
 #include <string.h>
 
-enum { LAST = PLAN_CELLS - 1 };
+enum {
+  LAST = PLAN_CELLS - 1,
+  WORTH_A_CUT = 96 /* cells: on a CPU, filling so many takes about as long as another window's draws */
+};
 
 /* ---- along the light ---- */
 
@@ -126,41 +129,112 @@ static void place_window(plan_window *window, const plan_cascade *cascade, const
   }
 }
 
-/* The least rectangle of slots around all cells that are noted. */
-static void bound_slots(uint32_t out[4], const uint64_t cells[PLAN_CELLS], const plan_pages *pages) {
-  uint32_t low = PLAN_CELLS, high = 0;
+/* Columns and rows of cells, from the first to the last. */
+typedef struct cell_bounds {
+  uint32_t low[2], high[2];
+} cell_bounds;
+
+/* The least rectangle around all cells that are read; false: there are none. */
+static bool bound(cell_bounds *out, const plan_cells *cells) {
   uint64_t columns = 0;
+  *out = (cell_bounds){.low = {0, PLAN_CELLS}};
   for (uint32_t y = 0; y < PLAN_CELLS; ++y) {
-    columns |= cells[y];
-    low = cells[y] && low == PLAN_CELLS ? y : low;
-    high = cells[y] ? y : high;
+    columns |= cells->read[y];
+    out->low[1] = cells->read[y] && out->low[1] == PLAN_CELLS ? y : out->low[1];
+    out->high[1] = cells->read[y] ? y : out->high[1];
   }
-  const uint32_t first = (uint32_t)__builtin_ctzll(columns), last = LAST - (uint32_t)__builtin_clzll(columns);
-  out[0] = (uint32_t)((pages->first[0] + first) & LAST);
-  out[1] = slot_row(pages, high);
-  out[2] = last - first + 1;
-  out[3] = high - low + 1;
+  if (!columns)
+    return false;
+  out->low[0] = (uint32_t)__builtin_ctzll(columns);
+  out->high[0] = LAST - (uint32_t)__builtin_clzll(columns);
+  return true;
 }
 
-/* A cascade's windows, and the cells of each. Returns a mask of them. */
-static uint32_t make_windows(plan_frame *frame, plan_cells *cells, uint32_t cascade, const plan_fit *fit,
-                             const plan_cells *due) {
-  const plan_pages *pages = &frame->history.pages[cascade];
-  uint32_t made = 0;
+static uint32_t area_of(const plan_cells *cells) {
+  cell_bounds b;
+  return bound(&b, cells) ? (b.high[0] - b.low[0] + 1) * (b.high[1] - b.low[1] + 1) : 0;
+}
+
+/* Those before a column or row, and those from it on. */
+static void cut(plan_cells parts[2], const plan_cells *cells, int axis, uint32_t at) {
+  const uint64_t before = (1ull << at) - 1; /* at > 0 */
+  for (int part = 0; part < 2; ++part) {
+    parts[part] = *cells;
+    for (uint32_t y = 0; y < PLAN_CELLS; ++y)
+      parts[part].read[y] &= axis ? ((y < at) == !part ? UINT64_MAX : 0) : part ? ~before : before;
+  }
+}
+
+/* The cut that leaves the smallest rectangles: what they save, in cells. */
+static uint32_t best_cut(plan_cells parts[2], const plan_cells *cells) {
+  cell_bounds b;
+  plan_cells tried[2];
+  const uint32_t whole = area_of(cells);
+  uint32_t best = 0;
+  if (!bound(&b, cells))
+    return 0;
+  for (int axis = 0; axis < 2; ++axis)
+    for (uint32_t at = b.low[axis] + 1; at <= b.high[axis]; ++at) {
+      cut(tried, cells, axis, at);
+      const uint32_t saved = whole - area_of(&tried[0]) - area_of(&tried[1]);
+      if (saved <= best)
+        continue;
+      best = saved;
+      memcpy(parts, tried, sizeof tried);
+    }
+  return best;
+}
+
+static void finish_window(plan_window *window, const plan_cascade *of, const plan_fit *fit, const plan_cells *cells,
+                          const plan_pages *pages) {
+  cell_bounds b;
+  int64_t square[2];
+  (void)bound(&b, cells);
+  for (int axis = 0; axis < 2; ++axis)
+    square[axis] = (pages->first[axis] + b.low[axis]) >> 6;
+  place_window(window, of, fit, square);
+  window->slots[0] = (uint32_t)((pages->first[0] + b.low[0]) & LAST);
+  window->slots[1] = slot_row(pages, b.high[1]);
+  window->slots[2] = b.high[0] - b.low[0] + 1;
+  window->slots[3] = b.high[1] - b.low[1] + 1;
+}
+
+/* What is due, in each of the squares that the map lies in. */
+static uint32_t divide_squares(plan_cells *out, const plan_cells *due, const plan_pages *pages) {
+  uint32_t count = 0;
   for (int part = 0; part < 4; ++part) {
     const uint64_t columns = half(pages->first[0], part & 1), rows = half(pages->first[1], part >> 1);
-    plan_cells *to = &cells[frame->window_count];
+    plan_cells *to = &out[count];
     uint64_t any = 0;
     *to = *due;
     for (uint32_t y = 0; y < PLAN_CELLS; ++y)
       any |= to->read[y] = rows >> y & 1 ? due->read[y] & columns : 0;
-    if (!any)
-      continue;
-    const int64_t square[2] = {(pages->first[0] >> 6) + (part & 1), (pages->first[1] >> 6) + (part >> 1)};
+    count += any != 0;
+  }
+  return count;
+}
+
+/*
+ * A cascade's windows, and the cells of each. Returns a mask of them. A triangle is drawn over all of a window's rectangle,
+ * also where nothing is due, so windows are divided while that leaves out enough.
+ */
+static uint32_t make_windows(plan_frame *frame, plan_cells *cells, uint32_t cascade, const plan_fit *fit,
+                             const plan_cells *due) {
+  const plan_pages *pages = &frame->history.pages[cascade];
+  plan_cells *own = &cells[frame->window_count], parts[2];
+  const uint32_t most = PLAN_WINDOWS_MOST / frame->cascade_count;
+  uint32_t count = divide_squares(own, due, pages), made = 0;
+  for (uint32_t i = 0; i < count && count < most;)
+    if (best_cut(parts, &own[i]) >= WORTH_A_CUT) {
+      own[i] = parts[0];
+      own[count++] = parts[1];
+    } else {
+      ++i;
+    }
+  for (uint32_t i = 0; i < count; ++i) {
     plan_window *window = &frame->windows[frame->window_count];
     *window = (plan_window){.cascade = cascade};
-    place_window(window, &frame->cascades[cascade], fit, square);
-    bound_slots(window->slots, to->read, pages);
+    finish_window(window, &frame->cascades[cascade], fit, &own[i], pages);
     made |= 1u << frame->window_count++;
   }
   return made;

@@ -261,8 +261,8 @@ typedef struct plan_cascade {
 } plan_cascade;
 
 /*
- * What is drawn at one go: of whole maps, cascade i's in window i; of pages, those that lie in one of the squares, as wide
- * as a map, that the world is laid out in from the map's anchor on. So a page is drawn alike whenever it is.
+ * What is drawn at one go: of whole maps, cascade i's in window i; of pages, some of those that lie in one of the squares,
+ * as wide as a map, that the world is laid out in from the map's anchor on. So a page is drawn alike whenever it is.
  */
 typedef struct plan_window {
   uint32_t cascade;

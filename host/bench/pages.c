@@ -34,6 +34,15 @@ typedef struct side {
 
 /* ---- what moves ---- */
 
+/* Whether an instance may move: no ground. */
+static bool moves(const scene *scene, size_t instance) {
+  const scene_mesh *mesh = &scene->meshes[scene->instances[instance].mesh];
+  double most = 0.0;
+  for (uint32_t i = 0; i < 3 * mesh->vertex_count; ++i)
+    most = fmax(most, fabs((double)mesh->positions[i]));
+  return most < 20.0;
+}
+
 /* So many of the instances, spread over all, are half a metre higher in every second frame. */
 static csm_result move_some(stage *s, double share, uint32_t frame) {
   const scene *scene = &s->setup->scene;
@@ -41,7 +50,9 @@ static csm_result move_some(stage *s, double share, uint32_t frame) {
   csm_instance_id *ids = host_allocate(count, sizeof *ids);
   double(*places)[16] = host_allocate(count, sizeof *places);
   for (size_t i = 0; i < count; ++i) {
-    const size_t from = i * scene->instance_count / count;
+    size_t from = i * scene->instance_count / count;
+    while (!moves(scene, from))
+      from = (from + 1) % scene->instance_count;
     ids[i] = s->instances[from];
     memcpy(places[i], scene->instances[from].transform, sizeof places[i]);
     places[i][13] += 0.5 * (frame % 2);
