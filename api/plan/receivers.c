@@ -41,9 +41,9 @@ static void shadow_planes(view_planes *out, const plan_camera *camera, double en
 }
 
 /* Relative to the camera's position. */
-static void place_before(plan_placed *out, const plan_camera *camera, const plan_scene *scene,
-                         const plan_instance *instance) {
-  plan_place(out, instance, &scene->meshes[instance->mesh]);
+static void place_before(plan_placed *out, const plan_camera *camera, const plan_instance *instance,
+                         const double center[3], const double extent[3]) {
+  plan_place_box(out, instance, center, extent);
   for (int i = 0; i < 3; ++i)
     out->center[i] -= camera->position[i];
 }
@@ -63,7 +63,8 @@ static bool is_seen(plan_placed *box, const view_planes *planes, const plan_came
                     const plan_instance *instance) {
   if (!plan_receives(instance))
     return false;
-  place_before(box, camera, scene, instance);
+  const plan_bounds *bounds = &scene->meshes[instance->mesh];
+  place_before(box, camera, instance, bounds->center, bounds->extent);
   return !outside_planes(planes, box);
 }
 
@@ -126,6 +127,20 @@ bool plan_cells_meet(const plan_cells *cells, const double low[2], const double 
     for (uint32_t y = rect.first; y <= rect.last; ++y)
       meets |= (cells->read[y] & rect.columns) != 0;
   return meets;
+}
+
+static uint32_t cells_in(const cell_rect *rect) {
+  return (rect->last - rect->first + 1) * (uint32_t)__builtin_popcountll(rect->columns);
+}
+
+plan_cells_under plan_cells_count(const plan_cells *cells, const double low[2], const double high[2]) {
+  cell_rect rect;
+  if (!find_cells(&rect, cells, low, high))
+    return (plan_cells_under){0};
+  plan_cells_under under = {.all = cells_in(&rect)};
+  for (uint32_t y = rect.first; y <= rect.last; ++y)
+    under.read += (uint32_t)__builtin_popcountll(cells->read[y] & rect.columns);
+  return under;
 }
 
 /* Who reads a map. */
@@ -256,6 +271,13 @@ static void find_box(receiver_box *out, const plan_frame *frame, const plan_plac
   out->depths[1] = depth + reach;
 }
 
+/* The cells of a map that may be read for what lies in a box; false: none. */
+static bool find_reach(cell_rect *out, const reader *to, const receiver_box *box) {
+  const double low[2] = {box->low[0] - to->room, box->low[1] - to->room};
+  const double high[2] = {box->high[0] + to->room, box->high[1] + to->room};
+  return box->depths[0] <= to->depths[1] && box->depths[1] >= to->depths[0] && find_cells(out, to->cells, low, high);
+}
+
 /* Marks the cells that are read for what lies in a box; a finer map that holds all of it along the light is read in
  * its stead. */
 static void mark(const reader *readers, uint32_t count, const receiver_box *box) {
@@ -263,10 +285,8 @@ static void mark(const reader *readers, uint32_t count, const receiver_box *box)
   for (uint32_t i = 0; i < count; ++i) {
     const reader *to = &readers[i];
     cell_rect rect;
-    const double low[2] = {box->low[0] - to->room, box->low[1] - to->room};
-    const double high[2] = {box->high[0] + to->room, box->high[1] + to->room};
     held[i] = box->low[2] >= to->held[0] && box->high[2] <= to->held[1];
-    if (box->depths[0] > to->depths[1] || box->depths[1] < to->depths[0] || !find_cells(&rect, to->cells, low, high))
+    if (!find_reach(&rect, to, box))
       continue;
     for (uint32_t y = rect.first; y <= rect.last; ++y) {
       uint64_t read = to->seen[y] & rect.columns;
@@ -274,6 +294,29 @@ static void mark(const reader *readers, uint32_t count, const receiver_box *box)
         read &= held[k] ? ~to->finer[k][y] : UINT64_MAX;
       to->cells->read[y] |= read;
     }
+  }
+}
+
+/* Whether a box lies over so many cells of a map that it is worth looking at its parts. */
+static bool lies_over_many(const reader *readers, uint32_t count, const receiver_box *box) {
+  bool many = false;
+  cell_rect rect;
+  for (uint32_t i = 0; i < count && !many; ++i)
+    many = find_reach(&rect, &readers[i], box) && cells_in(&rect) > PLAN_FEW_CELLS;
+  return many;
+}
+
+/* Marks what is read for those parts of a receiver that are seen. */
+static void mark_parts(const reader *readers, const plan_frame *frame, const view_planes *planes,
+                       const plan_instance *instance, const plan_parts *parts) {
+  for (uint32_t i = 0; i < parts->count; ++i) {
+    plan_placed placed;
+    receiver_box box;
+    place_before(&placed, &frame->camera, instance, parts->parts[i].center, parts->parts[i].extent);
+    if (outside_planes(planes, &placed))
+      continue;
+    find_box(&box, frame, &placed);
+    mark(readers, frame->cascade_count, &box);
   }
 }
 
@@ -293,9 +336,14 @@ void plan_read_cells(plan_cells *cells, const plan_frame *frame, const plan_area
   for (uint32_t slot = 0; slot < scene->slot_count; ++slot) {
     plan_placed placed;
     receiver_box box;
-    if (!is_seen(&placed, &planes, &frame->camera, scene, &scene->instances[slot]))
+    const plan_instance *instance = &scene->instances[slot];
+    if (!is_seen(&placed, &planes, &frame->camera, scene, instance))
       continue;
     find_box(&box, frame, &placed);
-    mark(readers, frame->cascade_count, &box);
+    const plan_parts parts = plan_parts_of(scene, instance);
+    if (parts.count && lies_over_many(readers, frame->cascade_count, &box))
+      mark_parts(readers, frame, &planes, instance, &parts);
+    else
+      mark(readers, frame->cascade_count, &box);
   }
 }

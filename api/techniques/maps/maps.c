@@ -225,9 +225,11 @@ static void count_casters(maps_state *state, const technique_run *run) {
     stats->casters_drawn = list->instance_count;
     stats->casters_culled = list->culled;
     stats->triangles_drawn = 0;
-    for (uint32_t d = 0; d < list->draw_count; ++d)
-      stats->triangles_drawn +=
-          (uint64_t)run->device->geometry.meshes[list->draws[d].mesh].index_count / 3 * list->draws[d].count;
+    for (uint32_t d = 0; d < list->draw_count; ++d) {
+      const plan_draw *draw = &list->draws[d];
+      const mesh_place *mesh = &run->device->geometry.meshes[draw->mesh];
+      stats->triangles_drawn += (uint64_t)draw_list_indices(draw, mesh) / 3 * draw->count;
+    }
   }
 }
 
