@@ -148,7 +148,9 @@ static void other_parts_are_another_map(void **state) {
   const test_camera camera = plain_camera();
   const uint64_t revisions[1] = {0};
   const plan_instance instance = {.transform = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
-  const plan_scene scene = {.instances = &instance, .revisions = revisions, .slot_count = 1};
+  const plan_bounds bounds = {.extent = {1.0, 1.0, 1.0}};
+  const plan_scene scene = {
+      .instances = &instance, .revisions = revisions, .slot_count = 1, .meshes = &bounds, .mesh_count = 1};
   plan_frame before = plan_empty(&config, &camera, (const double[3]){1, -2, 0.5}), now = before;
   uint32_t slots[1] = {0};
   plan_draw one[2] = {{.count = 1, .index_count = 6}, {.count = 1, .first_index = 12, .index_count = 3}};
