@@ -339,14 +339,8 @@ typedef struct plan_cells {
 } plan_cells;
 /* Whether a box across the light lies over a cell that is read. */
 bool plan_cells_meet(const plan_cells *cells, const double low[2], const double high[2]);
-
-/* How many cells of a map a box across the light lies over, and how many of those are read. */
-typedef struct plan_cells_under {
-  uint32_t all, read;
-} plan_cells_under;
-plan_cells_under plan_cells_count(const plan_cells *cells, const double low[2], const double high[2]);
-/* Only what lies over more cells is looked at by its parts. */
-enum { PLAN_FEW_CELLS = 2 };
+/* Whether it lies over some that are read and some that are not; false also where it lies over one or two of them. */
+bool plan_cells_meet_some(const plan_cells *cells, const double low[2], const double high[2]);
 
 /* What casters are tested against. */
 typedef struct plan_light_cull {

@@ -76,8 +76,7 @@ void plan_cull_parts(plan_lists *lists, const plan_cells *cells, const double ba
   bool placed = false;
   for (uint32_t rest = lists->masks[slot]; rest; rest &= rest - 1) {
     const uint32_t list = (uint32_t)__builtin_ctz(rest);
-    const plan_cells_under under = plan_cells_count(&cells[list], low, high);
-    if (under.all <= PLAN_FEW_CELLS || under.read == under.all)
+    if (!plan_cells_meet_some(&cells[list], low, high))
       continue;
     if (!placed)
       place_parts(boxes, &parts, basis, instance, &scene->meshes[instance->mesh]);

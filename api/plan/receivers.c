@@ -99,24 +99,24 @@ bool plan_sees_receivers(const plan_camera *camera, const plan_scene *scene, dou
 
 /* Cells that a box meets: rows from the first to the last, and in each of them these columns. */
 typedef struct cell_rect {
-  uint32_t first, last;
+  uint32_t first, last, count;
   uint64_t columns;
 } cell_rect;
 
-static bool find_cells(cell_rect *out, const plan_cells *cells, const double low[2], const double high[2]) {
-  double first[2], last[2];
+static inline bool find_cells(cell_rect *out, const plan_cells *cells, const double low[2], const double high[2]) {
+  uint32_t from[2], to[2];
   for (int axis = 0; axis < 2; ++axis) {
-    first[axis] = floor((low[axis] - cells->begin[axis]) / cells->size[axis]);
-    last[axis] = floor((high[axis] - cells->begin[axis]) / cells->size[axis]);
-    if (!(first[axis] < PLAN_CELLS) || !(last[axis] >= 0.0))
+    const double first = (low[axis] - cells->begin[axis]) / cells->size[axis];
+    const double last = (high[axis] - cells->begin[axis]) / cells->size[axis];
+    if (!(first < PLAN_CELLS) || !(last >= 0.0))
       return false;
-    first[axis] = fmax(first[axis], 0.0);
-    last[axis] = fmin(last[axis], PLAN_CELLS - 1.0);
+    from[axis] = first > 0.0 ? (uint32_t)first : 0;
+    to[axis] = last < PLAN_CELLS ? (uint32_t)last : PLAN_CELLS - 1;
   }
-  const uint32_t from = (uint32_t)first[0], to = (uint32_t)last[0];
-  out->first = (uint32_t)first[1];
-  out->last = (uint32_t)last[1];
-  out->columns = UINT64_MAX >> (PLAN_CELLS - 1 - (to - from)) << from;
+  out->first = from[1];
+  out->last = to[1];
+  out->count = (to[1] - from[1] + 1) * (to[0] - from[0] + 1);
+  out->columns = UINT64_MAX >> (PLAN_CELLS - 1 - (to[0] - from[0])) << from[0];
   return true;
 }
 
@@ -129,18 +129,18 @@ bool plan_cells_meet(const plan_cells *cells, const double low[2], const double 
   return meets;
 }
 
-static uint32_t cells_in(const cell_rect *rect) {
-  return (rect->last - rect->first + 1) * (uint32_t)__builtin_popcountll(rect->columns);
+static bool lies_over_few(const cell_rect *rect) {
+  return rect->count <= 2;
 }
 
-plan_cells_under plan_cells_count(const plan_cells *cells, const double low[2], const double high[2]) {
+bool plan_cells_meet_some(const plan_cells *cells, const double low[2], const double high[2]) {
   cell_rect rect;
-  if (!find_cells(&rect, cells, low, high))
-    return (plan_cells_under){0};
-  plan_cells_under under = {.all = cells_in(&rect)};
-  for (uint32_t y = rect.first; y <= rect.last; ++y)
-    under.read += (uint32_t)__builtin_popcountll(cells->read[y] & rect.columns);
-  return under;
+  bool all = true;
+  if (!find_cells(&rect, cells, low, high) || lies_over_few(&rect))
+    return false;
+  for (uint32_t y = rect.first; y <= rect.last && all; ++y)
+    all = (cells->read[y] & rect.columns) == rect.columns;
+  return !all;
 }
 
 /* Who reads a map. */
@@ -302,7 +302,7 @@ static bool lies_over_many(const reader *readers, uint32_t count, const receiver
   bool many = false;
   cell_rect rect;
   for (uint32_t i = 0; i < count && !many; ++i)
-    many = find_reach(&rect, &readers[i], box) && cells_in(&rect) > PLAN_FEW_CELLS;
+    many = find_reach(&rect, &readers[i], box) && !lies_over_few(&rect);
   return many;
 }
 
