@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Where a triangle goes; from 0 on it is the part. */
+/* A triangle's bucket: the number of its part, or that it is not drawn. */
 enum { UNDRAWN = PLAN_MOST_PARTS, BUCKETS };
 
 /* A mesh while it is divided; one block of memory, which begins with the order. */
@@ -77,6 +77,21 @@ static void look_at_triangles(division *d) {
   }
 }
 
+/* ---- boxes ---- */
+
+typedef struct box {
+  float low[3], high[3];
+} box;
+
+static const box no_box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+
+static void hold(box *box, const float point[3]) {
+  for (int axis = 0; axis < 3; ++axis) {
+    box->low[axis] = point[axis] < box->low[axis] ? point[axis] : box->low[axis];
+    box->high[axis] = point[axis] > box->high[axis] ? point[axis] : box->high[axis];
+  }
+}
+
 /* ---- dividing ---- */
 
 /* Along an axis; where two lie alike, the earlier one comes first. */
@@ -128,15 +143,12 @@ static void select_lowest(const division *d, int axis, uint32_t *ids, uint32_t c
 }
 
 static int longest_axis(const division *d, const uint32_t *ids, uint32_t count) {
-  float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+  box box = no_box;
   int longest = 0;
   for (uint32_t i = 0; i < count; ++i)
-    for (int axis = 0; axis < 3; ++axis) {
-      low[axis] = fminf(low[axis], d->middles[ids[i]][axis]);
-      high[axis] = fmaxf(high[axis], d->middles[ids[i]][axis]);
-    }
+    hold(&box, d->middles[ids[i]]);
   for (int axis = 1; axis < 3; ++axis)
-    if ((double)high[axis] - low[axis] > (double)high[longest] - low[longest])
+    if ((double)box.high[axis] - box.low[axis] > (double)box.high[longest] - box.low[longest])
       longest = axis;
   return longest;
 }
@@ -165,22 +177,20 @@ static void divide(division *d) {
 
 /* Puts triangles in a part into its bucket, unless they are not drawn, and finds the box around all of them. */
 static void fill_part(plan_part *out, division *d, uint32_t part) {
-  float low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
+  box box = no_box;
   for (uint32_t i = begin_of(d, part, d->part_count); i < begin_of(d, part + 1, d->part_count); ++i) {
     const uint32_t id = d->divided[i];
     float t[3][3];
     read_triangle(t, d->info, id);
-    for (int k = 0; k < 9; ++k) {
-      low[k % 3] = fminf(low[k % 3], t[k / 3][k % 3]);
-      high[k % 3] = fmaxf(high[k % 3], t[k / 3][k % 3]);
-    }
+    for (int k = 0; k < 3; ++k)
+      hold(&box, t[k]);
     if (d->buckets[id] == UNDRAWN)
       continue;
     d->buckets[id] = (uint8_t)part;
     out->index_count += 3;
   }
   plan_bounds bounds;
-  plan_bounds_in_place(&bounds, low, high);
+  plan_bounds_in_place(&bounds, box.low, box.high);
   memcpy(out->center, bounds.center, sizeof out->center);
   memcpy(out->extent, bounds.extent, sizeof out->extent);
 }
