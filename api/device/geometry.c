@@ -72,69 +72,23 @@ uint32_t geometry_index(const csm_mesh_info *info, uint32_t corner) {
   return info->index_size == 4 ? wide : narrow;
 }
 
-static void read_corner(double out[3], const csm_mesh_info *info, uint32_t corner) {
-  float p[3];
-  memcpy(p, (const char *)info->positions + (size_t)geometry_index(info, corner) * info->position_stride, sizeof p);
-  for (int axis = 0; axis < 3; ++axis)
-    out[axis] = p[axis];
-}
-
-static double larger(double a, double b) {
-  return fabs(a) > b ? fabs(a) : b;
-}
-
-/*
- * Whether a triangle is a line or a point, which covers nothing; yet a rasteriser, which rounds its corners, would find
- * texels in it. What one corner's rounding to a float, 2^-24 of each coordinate, makes of a line counts as one. The area
- * is looked at in each plane of two axes, so that a scale along an axis changes nothing.
- */
-static bool has_no_area(const csm_mesh_info *info, uint32_t first_corner) {
-  const double float_rounding = 0x1p-24, double_rounding = 0x1p-50;
-  double corners[3][3], reach[3] = {0.0, 0.0, 0.0}, edge[3] = {0.0, 0.0, 0.0};
-  for (uint32_t i = 0; i < 3; ++i)
-    read_corner(corners[i], info, first_corner + i);
-  for (int i = 0; i < 3; ++i)
-    for (int axis = 0; axis < 3; ++axis) {
-      reach[axis] = larger(corners[i][axis], reach[axis]);
-      edge[axis] = larger(corners[(i + 1) % 3][axis] - corners[i][axis], edge[axis]);
-    }
-  bool none = true;
-  for (int x = 0; x < 3; ++x) {
-    const int y = (x + 1) % 3;
-    const double left = (corners[1][x] - corners[0][x]) * (corners[2][y] - corners[0][y]);
-    const double right = (corners[1][y] - corners[0][y]) * (corners[2][x] - corners[0][x]);
-    none = none && fabs(left - right) <= float_rounding * (reach[x] * edge[y] + reach[y] * edge[x]) +
-                                             double_rounding * (fabs(left) + fabs(right));
-  }
-  return none;
-}
-
-/* Triangles that have an area first, then the others. Gives the number of indices of the first. */
-static uint32_t write_indices(char *to, const csm_mesh_info *info) {
+static void write_indices(char *to, const csm_mesh_info *info, const geometry_order *order) {
   const size_t bytes = 3 * (size_t)info->index_size;
-  char *first = to, *last = to + (size_t)info->index_count * info->index_size;
-  uint32_t with_area = 0;
-  for (uint32_t i = 0; i < info->index_count; i += 3) {
-    const bool none = has_no_area(info, i);
-    last -= none ? bytes : 0;
-    memcpy(none ? last : first, (const char *)info->indices + (size_t)i * info->index_size, bytes);
-    first += none ? 0 : bytes;
-    with_area += none ? 0 : 3;
-  }
-  return with_area;
+  for (uint32_t i = 0; i < info->index_count / 3; ++i)
+    memcpy(to + i * bytes, (const char *)info->indices + order->triangles[i] * bytes, bytes);
 }
 
-/* Gives the number of indices to draw. */
-static uint32_t write_mesh(char *memory, const csm_mesh_info *info, const layout *layout, const double *offset) {
+static void write_mesh(char *memory, const csm_mesh_info *info, const layout *layout, const double *offset,
+                       const geometry_order *order) {
   geometry_positions((float *)memory, info->positions, info->position_stride, info->vertex_count, offset);
   for (uint32_t i = 0; i < info->vertex_count && info->alpha_mask; ++i)
     memcpy(memory + layout->uvs + (size_t)i * uv_bytes, (const char *)info->uvs + (size_t)i * info->uv_stride,
            uv_bytes);
-  return write_indices(memory + layout->indices, info);
+  write_indices(memory + layout->indices, info, order);
 }
 
-static csm_result add_copied(device *device, const csm_mesh_info *info, const double *offset, geometry_place *place,
-                             mesh_place *mesh) {
+static csm_result add_copied(device *device, const csm_mesh_info *info, const double *offset,
+                             const geometry_order *order, geometry_place *place, mesh_place *mesh) {
   const layout layout = lay_out(info);
   void *memory;
   csm_result result = pages_take(device, layout.size, &place->piece);
@@ -142,14 +96,14 @@ static csm_result add_copied(device *device, const csm_mesh_info *info, const do
     result = uploads_write(device, place->piece, layout.size, &memory);
   if (result)
     return result;
-  const uint32_t index_count = write_mesh(memory, info, &layout, offset);
+  write_mesh(memory, info, &layout, offset, order);
   const page_piece *piece = place->piece;
   *mesh = (mesh_place){.vertices = piece->page->buffer,
                        .indices = piece->page->buffer,
                        .vertex_offset = piece->offset,
                        .index_offset = piece->offset + layout.indices,
                        .uv_offset = piece->offset + layout.uvs,
-                       .index_count = index_count};
+                       .index_count = 3 * order->drawn};
   return CSM_SUCCESS;
 }
 
@@ -257,14 +211,14 @@ static csm_result add_tree(device *device, const csm_mesh_info *info, const mesh
 }
 
 csm_result geometry_add(device *device, uint32_t index, const csm_mesh_info *info, const double *offset,
-                        const mesh_cut_out *cut_out, const mesh_traced *traced) {
+                        const geometry_order *order, const mesh_cut_out *cut_out, const mesh_traced *traced) {
   geometry *geometry = &device->geometry;
   mesh_place mesh = {0};
   geometry_place *place = host_allocate(device->host, sizeof *place);
   if (!place)
     return CSM_ERROR_OUT_OF_MEMORY;
   csm_result result = info->vulkan || info->d3d12 ? add_engines(device, info, place, &mesh)
-                                                  : add_copied(device, info, offset, place, &mesh);
+                                                  : add_copied(device, info, offset, order, place, &mesh);
   if (!result)
     result = add_tree(device, info, cut_out, traced, place);
   if (!result)

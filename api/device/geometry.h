@@ -19,6 +19,12 @@ typedef struct mesh_traced {
   tree_bytes bytes;
 } mesh_traced;
 
+/* The order in which a copied mesh's triangles are stored. */
+typedef struct geometry_order {
+  uint32_t *triangles; /* all of them; NULL for an engine's buffers */
+  uint32_t drawn;      /* the first ones, which have an area */
+} geometry_order;
+
 /* The vertex at a corner of a copied mesh, of any alignment. */
 uint32_t geometry_index(const csm_mesh_info *info, uint32_t corner);
 /* Positions as they are stored, three floats each, less the offset: the differences are exact, see plan_bounds. */
@@ -27,10 +33,11 @@ void geometry_positions(float *to, const void *positions, uint32_t stride, uint3
 csm_result geometry_reserve(device *device, uint32_t capacity);
 /*
  * Places a checked mesh below the capacity: copies it to staging, or takes in an engine's buffers. Positions are stored
- * less `offset`, of three doubles. Triangles of a copied mesh that have no area are not drawn until it is updated.
+ * less `offset`, of three doubles. Triangles of a copied mesh beyond those that the order names as drawn are not drawn
+ * until it is updated.
  */
 csm_result geometry_add(device *device, uint32_t index, const csm_mesh_info *info, const double *offset,
-                        const mesh_cut_out *cut_out, const mesh_traced *traced);
+                        const geometry_order *order, const mesh_cut_out *cut_out, const mesh_traced *traced);
 /*
  * Memory for other bytes of what rays look up of a mesh, which the next recording takes; until they are written it has those
  * that are given. Errors: those of device_buffer, OUT_OF_MEMORY.

@@ -167,6 +167,9 @@ void plan_cull_unread(plan_lists *lists, const plan_cells *cells, const plan_lig
       block = find_block(&made, cull, kept, scene, slot);
     if (lists->masks[slot])
       lists->masks[slot] &= ~unread(cells, block, at, lists->masks[slot]);
+    if (lists->room && lists->masks[slot] && plan_parts_of(scene, &scene->instances[slot]).count)
+      plan_cull_parts(lists, cells, cull->basis, scene, slot, (double[]){block->low[0][at], block->low[1][at]},
+                      (double[]){block->high[0][at], block->high[1][at]});
   }
 }
 

@@ -117,6 +117,14 @@ static void note_drawn(plan_frame *frame, const plan_lists *lists) {
   frame->drawn = lists->drawn;
 }
 
+/* Lists for as many windows. */
+static void begin_lists(plan_frame *frame, plan_lists *lists, uint32_t windows, const plan_scene *scene) {
+  frame->window_count = lists->count = windows;
+  for (uint32_t i = 0; i < windows; ++i)
+    lists->lists[i] = &frame->windows[i].list;
+  plan_lists_room(lists, scene);
+}
+
 /* Leaves out what lies over no cell of a map that is read, and, of pages, over none that is to be drawn. */
 static void cull_by_cells(plan_frame *frame, const fitted *fitted, const plan_frame_info *info, plan_lists *lists,
                           const plan_light_cull *cull, const plan_kept *kept) {
@@ -133,6 +141,7 @@ static void cull_by_cells(plan_frame *frame, const fitted *fitted, const plan_fr
     return;
   note_drawn(frame, lists);
   plan_pages_make(frame, fitted->fits, lists, cells, info);
+  begin_lists(frame, lists, frame->window_count, info->scene);
   plan_cull_unread(lists, cells, cull, kept, info->scene);
 }
 
@@ -166,9 +175,8 @@ static void cull_and_place(plan_frame *frame, fitted *fitted, const plan_frame_i
   frame->to_light = (const double(*)[12])kept.transforms;
 }
 
-/* A window for each map. */
-static void make_windows(plan_frame *frame) {
-  frame->window_count = frame->cascade_count;
+/* A window is a whole map. */
+static void place_windows(plan_frame *frame) {
   for (uint32_t i = 0; i < frame->window_count; ++i) {
     frame->windows[i].cascade = i;
     memcpy(frame->windows[i].to_clip, frame->cascades[i].to_clip, sizeof frame->windows[i].to_clip);
@@ -197,6 +205,8 @@ csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *m
     return result;
   plan_lists lists = {.count = frame.cascade_count, .sides = true, .among = info->scene->caster_count};
   plan_lists_begin(&lists, info->scene, memory);
+  if (!frame.pages)
+    begin_lists(&frame, &lists, frame.cascade_count, info->scene);
   if (!frame.unshadowed)
     cull_and_place(&frame, &fitted, info, &lists);
   for (uint32_t i = 0; i < frame.cascade_count && frame.unshadowed; ++i)
@@ -204,10 +214,9 @@ csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *m
   if (!frame.drawn)
     note_drawn(&frame, &lists);
   if (!frame.pages)
-    make_windows(&frame);
-  for (uint32_t i = 0; i < frame.window_count; ++i)
-    lists.lists[i] = &frame.windows[i].list;
-  lists.count = frame.window_count;
+    place_windows(&frame);
+  else if (!lists.room)
+    begin_lists(&frame, &lists, 0, info->scene);
   plan_lists_end(&lists, info->scene);
   count_casters(&frame, &lists);
   *out = frame;

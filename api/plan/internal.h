@@ -54,13 +54,23 @@ typedef struct plan_placed {
   double center[3], axes[3][3];
 } plan_placed;
 
-static inline void plan_place(plan_placed *out, const plan_instance *instance, const plan_bounds *bounds) {
+static inline void plan_place_box(plan_placed *out, const plan_instance *instance, const double center[3],
+                                  const double extent[3]) {
   for (int i = 0; i < 3; ++i) {
     const double *row = &instance->transform[i * 4];
-    out->center[i] = plan_dot(row, bounds->center) + row[3];
+    out->center[i] = plan_dot(row, center) + row[3];
     for (int k = 0; k < 3; ++k)
-      out->axes[k][i] = row[k] * bounds->extent[k];
+      out->axes[k][i] = row[k] * extent[k];
   }
+}
+
+static inline void plan_place(plan_placed *out, const plan_instance *instance, const plan_bounds *bounds) {
+  plan_place_box(out, instance, bounds->center, bounds->extent);
+}
+
+/* The parts of an instance's mesh. */
+static inline plan_parts plan_parts_of(const plan_scene *scene, const plan_instance *instance) {
+  return scene->parts ? scene->parts[instance->mesh] : (plan_parts){0};
 }
 
 /* Whether positions are stored farther from 0, along an axis, than three times half of what they fill there. */
@@ -312,8 +322,16 @@ typedef struct plan_lists {
   void *memory;
   uint32_t *masks;  /* by slot, a whole number of blocks: bit i is set if list i holds it */
   uint8_t *drawn;   /* by slot: room for plan_frame.drawn */
+  bool room;        /* plan_lists_room was called: parts may be drawn */
   uint32_t *counts; /* [plan_list_key * count + list]: instances of that key in the list */
+  uint32_t *partly; /* by slot, of those that masks names: bit i is set if list i draws it in parts */
+  /* by list: draws of parts, by slot and by index; `first` counts the slots that are drawn so */
+  plan_draw *part_draws[PLAN_WINDOWS_MOST];
+  uint32_t part_counts[PLAN_WINDOWS_MOST];
 } plan_lists;
+
+/* A list has no more draws of parts; what does not fit is drawn whole. */
+enum { PLAN_MOST_PART_DRAWS = 2048 };
 
 /* What instances share that are drawn together: the mesh and, where it matters, the side. */
 static inline uint32_t plan_list_key(const plan_lists *lists, const plan_instance *instance) {
@@ -322,6 +340,8 @@ static inline uint32_t plan_list_key(const plan_lists *lists, const plan_instanc
 
 /* Makes room for the masks, which are 0, in memory of plan_memory_size bytes. */
 void plan_lists_begin(plan_lists *lists, const plan_scene *scene, void *memory);
+/* Makes room for as many lists as there are, all empty. */
+void plan_lists_room(plan_lists *lists, const plan_scene *scene);
 /* Makes every list, there, from the masks. */
 void plan_lists_end(plan_lists *lists, const plan_scene *scene);
 
@@ -334,6 +354,8 @@ typedef struct plan_cells {
 void plan_cells_add(plan_cells *cells, const double low[2], const double high[2]);
 /* Whether a box across the light lies over a cell that is read. */
 bool plan_cells_meet(const plan_cells *cells, const double low[2], const double high[2]);
+/* Whether it lies over some that are read and some that are not; false also where it lies over one or two of them. */
+bool plan_cells_meet_some(const plan_cells *cells, const double low[2], const double high[2]);
 
 /* What casters are tested against. */
 typedef struct plan_light_cull {
@@ -347,9 +369,14 @@ typedef struct plan_light_cull {
 bool plan_casters_span(plan_span *out, const plan_light_cull *cull, const plan_scene *scene);
 /* Notes in list i what casts into area i, and how far towards the light those casters reach. Returns what is kept. */
 plan_kept plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const plan_scene *scene);
-/* Takes from each list what lies over no cell of its map that is read; `kept` is what plan_cull_light returned. */
+/* Takes from each list what lies over no cell of its map that is read, and, where lists have room, parts of large
+ * meshes; `kept` is what plan_cull_light returned. */
 void plan_cull_unread(plan_lists *lists, const plan_cells *cells, const plan_light_cull *cull, const plan_kept *kept,
                       const plan_scene *scene);
+
+/* Likewise the parts of one slot's mesh, whose box across the light is given, from the lists that hold it. */
+void plan_cull_parts(plan_lists *lists, const plan_cells *cells, const double basis[9], const plan_scene *scene,
+                     uint32_t slot, const double low[2], const double high[2]);
 
 /* ---- receivers ---- */
 /* Whether a camera sees any receiver, up to a view depth. */

@@ -106,6 +106,21 @@ typedef struct plan_bounds { /* of a mesh, in object space */
   double offset[3];
 } plan_bounds;
 
+/* Triangles of a mesh that lie together, and may be drawn without its others. */
+typedef struct plan_part {
+  double center[3], extent[3]; /* in object space: a box around all of them */
+  uint32_t first_index;
+  uint32_t index_count; /* 0: none of them covers anything, though an engine may find pixels in them */
+} plan_part;
+
+enum { PLAN_MOST_PARTS = 64 };
+
+/* All of a mesh's, one after the other in its indices. */
+typedef struct plan_parts {
+  const plan_part *parts;
+  uint32_t count; /* 0: the mesh is whole */
+} plan_parts;
+
 /* Fills in center, extent and offset. Preconditions: finite, low <= high. */
 void plan_bounds_make(plan_bounds *out, const float low[3], const float high[3]);
 /* Bounds of positions that are stored as they are: an engine's own buffers. */
@@ -153,6 +168,7 @@ typedef struct plan_scene {
   uint32_t slot_count;
   uint32_t caster_count, receiver_count; /* of plan_casts, of plan_receives */
   const plan_bounds *meshes;
+  const plan_parts *parts; /* by mesh; NULL: all are whole */
   uint32_t mesh_count;
   uint64_t identity; /* of what the instances belong to; 0: revisions say nothing, and nothing is kept */
   uint64_t revision;
@@ -168,18 +184,21 @@ csm_result plan_instance_check(plan_instance *instance);
 void plan_instance_box(plan_box *out, const plan_instance *instance, const plan_bounds *bounds);
 
 /* ---- a frame ---- */
-/* One draw call: instances of one mesh, whose matrices lie one after the other. */
+/* One draw call: instances of one mesh, whose matrices lie one after the other; or a piece of one instance's mesh. */
 typedef struct plan_draw {
   uint32_t mesh;
   uint32_t first; /* index into the list's matrices */
   uint32_t count;
   uint32_t mirrored; /* all of them; 0 in a camera's list */
+  uint32_t first_index;
+  uint32_t index_count; /* 0: all of the mesh */
 } plan_draw;
 
 /* What one window, or the camera, draws. */
 typedef struct plan_list {
-  uint32_t *instances; /* slots, ordered by mesh, then by side, then by slot */
-  plan_draw *draws;
+  uint32_t
+      *instances;   /* slots, ordered by mesh, then by side, then by slot; after them those drawn in parts, by slot */
+  plan_draw *draws; /* in the order of their instances, then of their indices */
   uint32_t instance_count, draw_count;
   uint32_t culled; /* casters, or receivers, that are not drawn */
 } plan_list;
@@ -447,7 +466,7 @@ uint32_t plan_tiles_across(uint32_t side);
 void plan_seen_tiles(uint8_t *tiles, const plan_frame *frame, const csm_config *config, uint32_t cascade,
                      uint32_t side);
 /*
- * Whether a cascade draws what it drew in an earlier frame, and where it did, so that its map comes out as it did then.
+ * Whether a cascade draws what it drew in an earlier frame, all of it, and where it did, so that its map comes out as it did then.
  * Preconditions: both frames are of one scene and one configuration, and no callback drew into either's maps; `revision`
  * was the scene's then.
  */

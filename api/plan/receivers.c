@@ -41,9 +41,9 @@ static void shadow_planes(view_planes *out, const plan_camera *camera, double en
 }
 
 /* Relative to the camera's position. */
-static void place_before(plan_placed *out, const plan_camera *camera, const plan_scene *scene,
-                         const plan_instance *instance) {
-  plan_place(out, instance, &scene->meshes[instance->mesh]);
+static void place_before(plan_placed *out, const plan_camera *camera, const plan_instance *instance,
+                         const double center[3], const double extent[3]) {
+  plan_place_box(out, instance, center, extent);
   for (int i = 0; i < 3; ++i)
     out->center[i] -= camera->position[i];
 }
@@ -63,7 +63,8 @@ static bool is_seen(plan_placed *box, const view_planes *planes, const plan_came
                     const plan_instance *instance) {
   if (!plan_receives(instance))
     return false;
-  place_before(box, camera, scene, instance);
+  const plan_bounds *bounds = &scene->meshes[instance->mesh];
+  place_before(box, camera, instance, bounds->center, bounds->extent);
   return !outside_planes(planes, box);
 }
 
@@ -98,24 +99,24 @@ bool plan_sees_receivers(const plan_camera *camera, const plan_scene *scene, dou
 
 /* Cells that a box meets: rows from the first to the last, and in each of them these columns. */
 typedef struct cell_rect {
-  uint32_t first, last;
+  uint32_t first, last, count;
   uint64_t columns;
 } cell_rect;
 
-static bool find_cells(cell_rect *out, const plan_cells *cells, const double low[2], const double high[2]) {
-  double first[2], last[2];
+static inline bool find_cells(cell_rect *out, const plan_cells *cells, const double low[2], const double high[2]) {
+  uint32_t from[2], to[2];
   for (int axis = 0; axis < 2; ++axis) {
-    first[axis] = floor((low[axis] - cells->begin[axis]) / cells->size[axis]);
-    last[axis] = floor((high[axis] - cells->begin[axis]) / cells->size[axis]);
-    if (!(first[axis] < PLAN_CELLS) || !(last[axis] >= 0.0))
+    const double first = (low[axis] - cells->begin[axis]) / cells->size[axis];
+    const double last = (high[axis] - cells->begin[axis]) / cells->size[axis];
+    if (!(first < PLAN_CELLS) || !(last >= 0.0))
       return false;
-    first[axis] = fmax(first[axis], 0.0);
-    last[axis] = fmin(last[axis], PLAN_CELLS - 1.0);
+    from[axis] = first > 0.0 ? (uint32_t)first : 0;
+    to[axis] = last < PLAN_CELLS ? (uint32_t)last : PLAN_CELLS - 1;
   }
-  const uint32_t from = (uint32_t)first[0], to = (uint32_t)last[0];
-  out->first = (uint32_t)first[1];
-  out->last = (uint32_t)last[1];
-  out->columns = UINT64_MAX >> (PLAN_CELLS - 1 - (to - from)) << from;
+  out->first = from[1];
+  out->last = to[1];
+  out->count = (to[1] - from[1] + 1) * (to[0] - from[0] + 1);
+  out->columns = UINT64_MAX >> (PLAN_CELLS - 1 - (to[0] - from[0])) << from[0];
   return true;
 }
 
@@ -133,6 +134,20 @@ bool plan_cells_meet(const plan_cells *cells, const double low[2], const double 
     for (uint32_t y = rect.first; y <= rect.last; ++y)
       meets |= (cells->read[y] & rect.columns) != 0;
   return meets;
+}
+
+static bool lies_over_few(const cell_rect *rect) {
+  return rect->count <= 2;
+}
+
+bool plan_cells_meet_some(const plan_cells *cells, const double low[2], const double high[2]) {
+  cell_rect rect;
+  bool all = true;
+  if (!find_cells(&rect, cells, low, high) || lies_over_few(&rect))
+    return false;
+  for (uint32_t y = rect.first; y <= rect.last && all; ++y)
+    all = (cells->read[y] & rect.columns) == rect.columns;
+  return !all;
 }
 
 /* Who reads a map. */
@@ -267,6 +282,13 @@ static void find_box(receiver_box *out, const plan_frame *frame, const plan_plac
   out->depths[1] = depth + reach;
 }
 
+/* The cells of a map that may be read for what lies in a box; false: none. */
+static bool find_reach(cell_rect *out, const reader *to, const receiver_box *box) {
+  const double low[2] = {box->low[0] - to->room, box->low[1] - to->room};
+  const double high[2] = {box->high[0] + to->room, box->high[1] + to->room};
+  return box->depths[0] <= to->depths[1] && box->depths[1] >= to->depths[0] && find_cells(out, to->cells, low, high);
+}
+
 /* Marks the cells that are read for what lies in a box; a finer map that holds all of it along the light is read in
  * its stead. */
 static void mark(const reader *readers, uint32_t count, const receiver_box *box) {
@@ -274,10 +296,8 @@ static void mark(const reader *readers, uint32_t count, const receiver_box *box)
   for (uint32_t i = 0; i < count; ++i) {
     const reader *to = &readers[i];
     cell_rect rect;
-    const double low[2] = {box->low[0] - to->room, box->low[1] - to->room};
-    const double high[2] = {box->high[0] + to->room, box->high[1] + to->room};
     held[i] = box->low[2] >= to->held[0] && box->high[2] <= to->held[1];
-    if (box->depths[0] > to->depths[1] || box->depths[1] < to->depths[0] || !find_cells(&rect, to->cells, low, high))
+    if (!find_reach(&rect, to, box))
       continue;
     for (uint32_t y = rect.first; y <= rect.last; ++y) {
       uint64_t read = to->seen[y] & rect.columns;
@@ -285,6 +305,29 @@ static void mark(const reader *readers, uint32_t count, const receiver_box *box)
         read &= held[k] ? ~to->finer[k][y] : UINT64_MAX;
       to->cells->read[y] |= read;
     }
+  }
+}
+
+/* Whether a box lies over so many cells of a map that it is worth looking at its parts. */
+static bool lies_over_many(const reader *readers, uint32_t count, const receiver_box *box) {
+  bool many = false;
+  cell_rect rect;
+  for (uint32_t i = 0; i < count && !many; ++i)
+    many = find_reach(&rect, &readers[i], box) && !lies_over_few(&rect);
+  return many;
+}
+
+/* Marks what is read for those parts of a receiver that are seen. */
+static void mark_parts(const reader *readers, const plan_frame *frame, const view_planes *planes,
+                       const plan_instance *instance, const plan_parts *parts) {
+  for (uint32_t i = 0; i < parts->count; ++i) {
+    plan_placed placed;
+    receiver_box box;
+    place_before(&placed, &frame->camera, instance, parts->parts[i].center, parts->parts[i].extent);
+    if (outside_planes(planes, &placed))
+      continue;
+    find_box(&box, frame, &placed);
+    mark(readers, frame->cascade_count, &box);
   }
 }
 
@@ -304,10 +347,15 @@ void plan_read_cells(plan_cells *cells, const plan_frame *frame, const plan_area
   for (uint32_t slot = 0; slot < scene->slot_count; ++slot) {
     plan_placed placed;
     receiver_box box;
-    if (!is_seen(&placed, &planes, &frame->camera, scene, &scene->instances[slot]))
+    const plan_instance *instance = &scene->instances[slot];
+    if (!is_seen(&placed, &planes, &frame->camera, scene, instance))
       continue;
     find_box(&box, frame, &placed);
-    mark(readers, frame->cascade_count, &box);
+    const plan_parts parts = plan_parts_of(scene, instance);
+    if (parts.count && lies_over_many(readers, frame->cascade_count, &box))
+      mark_parts(readers, frame, &planes, instance, &parts);
+    else
+      mark(readers, frame->cascade_count, &box);
   }
 }
 

@@ -53,7 +53,7 @@ static bool same_drawn(const plan_frame *before, const plan_frame *now, uint32_t
   return same;
 }
 
-/* Whether a cascade draws what it drew, seen from the same side. */
+/* Whether a cascade's casters are those that it had, seen from the same side; other parts of them may be drawn. */
 static bool same_casters(const plan_frame *before, const plan_frame *now, uint32_t cascade, const plan_scene *scene,
                          uint64_t revision) {
   const plan_list *a = &before->windows[cascade].list, *b = &now->windows[cascade].list;
@@ -62,7 +62,7 @@ static bool same_casters(const plan_frame *before, const plan_frame *now, uint32
     return false;
   if (now->pages)
     return same_drawn(before, now, cascade, scene, revision);
-  if (a->instance_count != b->instance_count || a->draw_count != b->draw_count)
+  if (a->instance_count != b->instance_count)
     return false;
   for (uint32_t i = 0; i < b->instance_count; ++i) {
     const uint32_t slot = b->instances[i];
@@ -72,10 +72,17 @@ static bool same_casters(const plan_frame *before, const plan_frame *now, uint32
   return true;
 }
 
+static bool same_draws(const plan_list *a, const plan_list *b) {
+  return a->draw_count == b->draw_count &&
+         (!b->draw_count || memcmp(a->draws, b->draws, b->draw_count * sizeof *b->draws) == 0);
+}
+
 bool plan_cascade_same(const plan_frame *before, const plan_frame *now, uint32_t cascade, const plan_scene *scene,
                        uint64_t revision) {
   const plan_cascade *a = &before->cascades[cascade], *b = &now->cascades[cascade];
-  return memcmp(a->to_clip, b->to_clip, sizeof a->to_clip) == 0 && same_casters(before, now, cascade, scene, revision);
+  return !now->pages && memcmp(a->to_clip, b->to_clip, sizeof a->to_clip) == 0 &&
+         same_casters(before, now, cascade, scene, revision) &&
+         same_draws(&before->windows[cascade].list, &now->windows[cascade].list);
 }
 
 /* Whether a cascade lies where it lay, but for its jitter, and is read for the same depths. */
@@ -96,6 +103,7 @@ static bool receiver_moved(const plan_scene *scene, uint64_t revision) {
   return moved;
 }
 
+/* Parts that one of the frames leaves out are read by none of its pixels, so shadows rest without them. */
 bool plan_frame_rests(const plan_frame *before, const plan_frame *now, const plan_scene *scene, uint64_t revision) {
   bool rests = before->cascade_count == now->cascade_count && before->light_diameter == now->light_diameter &&
                before->shadow_end == now->shadow_end && !receiver_moved(scene, revision);

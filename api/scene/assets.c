@@ -31,5 +31,6 @@ void assets_end(assets *assets) {
 
 instances_meshes assets_meshes(const assets *assets) {
   const mesh_table *meshes = &assets->meshes;
-  return (instances_meshes){.handles = &meshes->handles, .bounds = meshes->bounds, .users = meshes->users};
+  return (instances_meshes){
+      .handles = &meshes->handles, .bounds = meshes->bounds, .parts = meshes->parts, .users = meshes->users};
 }

@@ -11,6 +11,7 @@
 /* What a mesh has on the device to move to. */
 typedef struct moved_mesh {
   plan_bounds bounds;
+  plan_parts parts;
   mesh_tree *tree; /* of a mesh that was supplied again; NULL: it keeps its own */
 } moved_mesh;
 
@@ -21,6 +22,7 @@ typedef struct mesh_table {
   void **copies;
   mesh_tree **trees;   /* of those that rays may meet; else NULL */
   plan_bounds *bounds; /* as the plan wants them */
+  plan_parts *parts;   /* until its vertices move: then a mesh is whole, and stays so */
   uint32_t *users;     /* instances of scenes */
   uint64_t revision;   /* counts the meshes that changed or went */
   uint64_t *revisions; /* after the last time that this one did */

@@ -367,6 +367,7 @@ plan_scene instances_scene(const instances *store, const instances_meshes *meshe
                       .caster_count = store->casters,
                       .receiver_count = store->receivers,
                       .meshes = meshes->bounds,
+                      .parts = meshes->parts,
                       .mesh_count = meshes->handles->count,
                       .identity = store->refilled ? 0 : store->ids.key,
                       .revision = store->revision,

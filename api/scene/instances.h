@@ -20,6 +20,7 @@ typedef struct instances_memory {
 typedef struct instances_meshes {
   const handle_table *handles;
   const plan_bounds *bounds; /* by index */
+  const plan_parts *parts;   /* by index; NULL: all are whole */
   uint32_t *users;           /* by index: instances of all stores but refilled ones; a mesh with users must stay */
 } instances_meshes;
 

@@ -1,4 +1,5 @@
 #include "scene/mesh_check.h"
+#include "scene/mesh_parts.h"
 
 #include "scene/scene.h"
 #include "structs.h"
@@ -20,14 +21,16 @@ static csm_result grow(assets *assets) {
   void **copies = host_grown_copy(host, meshes->copies, count, capacity, sizeof *copies);
   mesh_tree **trees = host_grown_copy(host, meshes->trees, count, capacity, sizeof *trees);
   plan_bounds *bounds = host_grown_copy(host, meshes->bounds, count, capacity, sizeof *bounds);
+  plan_parts *parts = host_grown_copy(host, meshes->parts, count, capacity, sizeof *parts);
   uint32_t *users = host_grown_copy(host, meshes->users, count, capacity, sizeof *users);
   uint64_t *revisions = host_grown_copy(host, meshes->revisions, count, capacity, sizeof *revisions);
-  const bool made = places && infos && copies && trees && bounds && users && revisions;
+  const bool made = places && infos && copies && trees && bounds && parts && users && revisions;
   host_release(host, made ? handles_grow(&meshes->handles, places, capacity) : places);
   host_release(host, made ? meshes->infos : infos);
   host_release(host, made ? meshes->copies : (void *)copies);
   host_release(host, made ? meshes->trees : (void *)trees);
   host_release(host, made ? meshes->bounds : bounds);
+  host_release(host, made ? meshes->parts : parts);
   host_release(host, made ? meshes->users : users);
   host_release(host, made ? meshes->revisions : revisions);
   if (!made)
@@ -36,6 +39,7 @@ static csm_result grow(assets *assets) {
   meshes->copies = copies;
   meshes->trees = trees;
   meshes->bounds = bounds;
+  meshes->parts = parts;
   meshes->users = users;
   meshes->revisions = revisions;
   return CSM_SUCCESS;
@@ -110,11 +114,20 @@ static mesh_traced traced_of(const mesh_tree *tree) {
   return tree ? (mesh_traced){.rays = &tree->rays, .bytes = tree->bytes} : (mesh_traced){0};
 }
 
+/* Its parts are those of the order that it is placed in; an engine's buffers have none. */
 static csm_result place(const assets *assets, device *device, uint32_t index, const csm_mesh_info *info,
-                        const plan_bounds *bounds, const mesh_tree *tree) {
+                        const plan_bounds *bounds, const mesh_tree *tree, plan_parts *parts) {
   const mesh_cut_out cut_out = find_cut_out(assets, info);
   const mesh_traced traced = traced_of(tree);
-  return geometry_add(device, index, info, bounds->offset, &cut_out, &traced);
+  geometry_order order = {0};
+  *parts = (plan_parts){0};
+  csm_result result = info->positions ? mesh_parts_make(assets->host, info, &order, parts) : CSM_SUCCESS;
+  if (!result)
+    result = geometry_add(device, index, info, bounds->offset, &order, &cut_out, &traced);
+  host_release(assets->host, order.triangles);
+  if (result)
+    mesh_parts_free(parts, assets->host);
+  return result;
 }
 
 /* NULL where no ray is to meet the mesh, or its positions lie in an engine's buffers. */
@@ -145,6 +158,7 @@ csm_result mesh_create(assets *assets, const csm_mesh_info *info, csm_mesh *mesh
   host *host = assets->host;
   csm_mesh_info own;
   plan_bounds bounds;
+  plan_parts parts;
   uint32_t index;
   char *copy = NULL;
   mesh_tree *tree = NULL;
@@ -160,7 +174,7 @@ csm_result mesh_create(assets *assets, const csm_mesh_info *info, csm_mesh *mesh
   if (!result)
     result = grow_tree(assets, &own, &bounds, &tree);
   if (!result)
-    result = place(assets, assets->device, index, &own, &bounds, tree);
+    result = place(assets, assets->device, index, &own, &bounds, tree, &parts);
   if (result) {
     mesh_tree_free(tree, host);
     host_release(host, copy);
@@ -171,6 +185,7 @@ csm_result mesh_create(assets *assets, const csm_mesh_info *info, csm_mesh *mesh
   meshes->trees[index] = tree;
   meshes->infos[index] = kept_info(&own, copy);
   meshes->bounds[index] = bounds;
+  meshes->parts[index] = parts;
   meshes->users[index] = 0;
   use_alpha_mask(assets, &own, 1);
   *mesh = handles_take(&meshes->handles);
@@ -219,6 +234,7 @@ csm_result mesh_update(assets *assets, csm_mesh mesh, const csm_mesh_update_info
     return result;
   if (meshes->copies[index])
     copy_packed(meshes->copies[index], own.positions, count, own.position_stride, position_bytes);
+  mesh_parts_free(&meshes->parts[index], assets->host);
   change_bounds(assets, index, &bounds);
   return CSM_SUCCESS;
 }
@@ -238,6 +254,7 @@ csm_result mesh_destroy(assets *assets, csm_mesh mesh) {
   meshes->copies[index] = NULL;
   mesh_tree_free(meshes->trees[index], assets->host);
   meshes->trees[index] = NULL;
+  mesh_parts_free(&meshes->parts[index], assets->host);
   meshes->revisions[index] = ++meshes->revision;
   handles_free(&meshes->handles, index);
   return CSM_SUCCESS;
@@ -293,7 +310,7 @@ static csm_result move_mesh(const assets *assets, uint32_t index, device *to, mo
       result = grow_tree(assets, &info, &moved->bounds, &moved->tree);
     tree = moved->tree;
   }
-  return result ? result : place(assets, to, index, &info, &moved->bounds, tree);
+  return result ? result : place(assets, to, index, &info, &moved->bounds, tree, &moved->parts);
 }
 
 csm_result meshes_move(assets *assets, device *to) {
@@ -314,8 +331,20 @@ void meshes_stay(assets *assets) {
   mesh_table *meshes = &assets->meshes;
   for (uint32_t i = 0; meshes->moved && i < meshes->handles.count; ++i)
     mesh_tree_free(meshes->moved[i].tree, assets->host);
+  for (uint32_t i = 0; meshes->moved && i < meshes->handles.count; ++i)
+    mesh_parts_free(&meshes->moved[i].parts, assets->host);
   host_release(assets->host, meshes->moved);
   meshes->moved = NULL;
+}
+
+/* A mesh's parts are those of its order on the new device; what was whole stays so. */
+static void take_parts(mesh_table *meshes, uint32_t index, host *host) {
+  plan_parts *moved = &meshes->moved[index].parts;
+  if (!meshes->parts[index].count)
+    return;
+  mesh_parts_free(&meshes->parts[index], host);
+  meshes->parts[index] = *moved;
+  *moved = (plan_parts){0};
 }
 
 void meshes_moved(assets *assets) {
@@ -326,6 +355,7 @@ void meshes_moved(assets *assets) {
       continue;
     if (memcmp(&moved->bounds, &meshes->bounds[i], sizeof moved->bounds) != 0)
       change_bounds(assets, i, &moved->bounds);
+    take_parts(meshes, i, assets->host);
     if (!moved->tree)
       continue;
     mesh_tree_free(meshes->trees[i], assets->host);
@@ -342,6 +372,9 @@ void meshes_end(assets *assets) {
     host_release(host, meshes->copies[i]);
   for (uint32_t i = 0; i < meshes->handles.count; ++i)
     mesh_tree_free(meshes->trees[i], host);
+  for (uint32_t i = 0; i < meshes->handles.count; ++i)
+    mesh_parts_free(&meshes->parts[i], host);
+  host_release(host, meshes->parts);
   host_release(host, (void *)meshes->trees);
   host_release(host, meshes->handles.places);
   host_release(host, meshes->infos);

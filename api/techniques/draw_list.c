@@ -9,6 +9,10 @@ uint64_t draw_list_bytes(const plan_list *list, uint32_t rows) {
   return (uint64_t)list->instance_count * rows * row_bytes;
 }
 
+uint32_t draw_list_indices(const plan_draw *draw, const mesh_place *mesh) {
+  return draw->index_count ? draw->index_count : mesh->index_count;
+}
+
 /* Faces that are left out of a draw: a mirrored instance shows its front faces as back ones. */
 static gpu_cull draw_cull(const draw_list_info *info, const plan_draw *draw) {
   const mesh_place *mesh = &info->meshes[draw->mesh];
@@ -40,9 +44,9 @@ void draw_list(gpu gpu, const draw_list_info *info) {
                  .stream_offsets = {mesh->vertex_offset, info->offset + (uint64_t)draw->first * info->rows * row_bytes,
                                     mesh->uv_offset},
                  .indices = mesh->indices,
-                 .index_offset = mesh->index_offset,
+                 .index_offset = mesh->index_offset + (uint64_t)draw->first_index * mesh->index_size,
                  .index_size = mesh->index_size,
-                 .count = mesh->index_count,
+                 .count = draw_list_indices(draw, mesh),
                  .instance_count = draw->count,
              });
   }

@@ -22,6 +22,9 @@ void draw_list(gpu gpu, const draw_list_info *info);
 /* Bytes of the matrices of a list. */
 uint64_t draw_list_bytes(const plan_list *list, uint32_t rows);
 
+/* Indices of a draw's mesh that each of its instances is drawn with. */
+uint32_t draw_list_indices(const plan_draw *draw, const mesh_place *mesh);
+
 /* What sets one program that draws meshes apart. It draws positions into a depth image; there is a pixel shader only
    where an alpha mask cuts out what is not there. */
 typedef struct draw_list_kind {

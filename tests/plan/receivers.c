@@ -281,6 +281,125 @@ static void draws_what_is_read_for_receivers(void **state) {
   scene_free(&scene);
 }
 
+/* ---- parts ---- */
+
+enum { meshes_in_parts = 2 }; /* what casts, and what receives */
+
+typedef struct divided {
+  plan_part parts[meshes_in_parts][PLAN_MOST_PARTS];
+  plan_parts tables[meshes_in_parts];
+  uint32_t at[meshes_in_parts]; /* the part that matters */
+} divided;
+
+/* Boxes anywhere in a mesh's, and one of them around a point of it. */
+static void divide(random_state *random, divided *out, uint32_t mesh, const plan_bounds *bounds,
+                   const double point[3]) {
+  const uint32_t count = 1 + random_below(random, PLAN_MOST_PARTS), at = random_below(random, count);
+  for (uint32_t i = 0; i < count; ++i) {
+    plan_part *part = &out->parts[mesh][i];
+    *part = (plan_part){.first_index = 3 * i, .index_count = 3};
+    for (int axis = 0; axis < 3; ++axis) {
+      const double most = bounds->extent[axis], extent = most * random_between(random, 0.001, 0.3);
+      const double near = point[axis] + random_between(random, -1.0, 1.0) * extent;
+      const double anywhere = random_between(random, -1.0, 1.0) * most;
+      part->extent[axis] = extent;
+      part->center[axis] = fmin(fmax(i == at ? near : anywhere, extent - most), most - extent);
+    }
+  }
+  out->tables[mesh] = (plan_parts){.parts = out->parts[mesh], .count = count};
+  out->at[mesh] = at;
+}
+
+/* Makes the receiver's mesh large, and the point a place in one of its parts. */
+static void divide_receiver(random_state *random, test_scene *scene, divided *out, const double point[3]) {
+  plan_instance *receiver = &scene->instances[1];
+  double within[3];
+  for (int i = 0; i < 3; ++i) {
+    const double extent = random_scale(random, 1.0, 500.0);
+    within[i] = extent * random_between(random, -0.999, 0.999);
+    scene->meshes[1].extent[i] = extent;
+    receiver->transform[i * 4 + 3] = point[i] - within[i];
+  }
+  divide(random, out, 1, &scene->meshes[1], within);
+}
+
+/* Makes the caster's mesh large, and what it was before one of its parts. */
+static void divide_caster(random_state *random, test_scene *scene, divided *out) {
+  plan_instance *caster = &scene->instances[0];
+  double within[3], extent[3];
+  for (int i = 0; i < 3; ++i) {
+    const double most = random_scale(random, 1.0, 500.0);
+    extent[i] = scene->meshes[0].extent[i];
+    within[i] = (most - extent[i]) * random_between(random, -1.0, 1.0);
+    scene->meshes[0].extent[i] = most;
+    caster->transform[i * 4 + 3] -= within[i];
+  }
+  divide(random, out, 0, &scene->meshes[0], within);
+  plan_part *part = &out->parts[0][out->at[0]];
+  for (int i = 0; i < 3; ++i) {
+    part->center[i] = within[i];
+    part->extent[i] = extent[i];
+  }
+}
+
+/* Whether the caster's part that matters is drawn; *left_out grows by the parts that are not. */
+static bool draws_part(const plan_list *list, const divided *d, uint64_t *left_out) {
+  bool drawn = false;
+  uint32_t indices = 0;
+  const plan_part *part = &d->parts[0][d->at[0]];
+  for (uint32_t i = 0; i < list->draw_count; ++i) {
+    const plan_draw *draw = &list->draws[i];
+    drawn |= !draw->index_count ||
+             (draw->first_index <= part->first_index && part->first_index < draw->first_index + draw->index_count);
+    indices += draw->index_count ? draw->index_count : 3 * d->tables[0].count;
+  }
+  *left_out += d->tables[0].count - indices / 3;
+  return drawn;
+}
+
+/* What part of a caster lies over a texel that is read at a point of a receiver's part is drawn. */
+static void draws_parts_that_are_read_for_parts(void **state) {
+  (void)state;
+  random_state random = {13};
+  test_scene scene = scene_make(2, 2);
+  static divided d;
+  uint32_t read[CSM_MAX_CASCADES] = {0};
+  uint64_t left_out = 0;
+  scene.scene.parts = d.tables;
+  for (int i = 0; i < 40000; ++i) {
+    const csm_config config = receivers_config(&random);
+    const reading reads = reading_of(&config);
+    test_camera camera = random_camera(&random, 10.0);
+    double light[3], point[3], view[16], projection[16];
+    random_unit(&random, light);
+    plan_frame frame = plan_empty(&config, &camera, light);
+    const uint32_t c = random_below(&random, config.cascade_count);
+    if (frame.unshadowed || camera.orthographic) /* whose maps are as wide as what casts */
+      continue;
+    slice_point(&random, &camera, &frame.cascades[random_below(&random, config.cascade_count)].info, point);
+    place_receiver(&random, &scene, point);
+    divide_receiver(&random, &scene, &d, point);
+    if (!place_reader(&random, &scene, &frame, c, point, &reads))
+      continue;
+    divide_caster(&random, &scene, &d);
+    scene_place(&scene);
+    camera_matrices(&camera, view, projection);
+    plan_for_receivers(&frame, &config, &(test_shot){view, projection, camera_reversed(&camera), light}, &scene.scene,
+                       scene.memory);
+    chooser chooser;
+    choose_for(&chooser, &random, &frame, &config, point);
+    if (!chooses(&chooser, &config, c))
+      continue;
+    if (!draws_part(&frame.windows[c].list, &d, &left_out))
+      fail_msg("frame %d: selection %u, blending %u, fit %u: what is read of cascade %u is not drawn", i,
+               config.selection, config.blend_mode, config.fit_mode, c);
+    ++read[c];
+  }
+  printf("%llu parts are left out\n", (unsigned long long)left_out);
+  assert_true(read[0] > 1000 && read[1] > 500 && read[2] > 250 && left_out > 20000);
+  scene_free(&scene);
+}
+
 static uint32_t plan_drawn(const plan_frame *frame) {
   uint32_t sum = 0;
   for (uint32_t i = 0; i < frame->cascade_count; ++i)
@@ -329,6 +448,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(keeps_what_filters_read_beside_the_view),
       cmocka_unit_test(draws_what_is_read_for_receivers),
+      cmocka_unit_test(draws_parts_that_are_read_for_parts),
       cmocka_unit_test(receivers_leave_maps_where_they_are),
   };
   return cmocka_run_group_tests_name("plan-receivers", tests, NULL, NULL);

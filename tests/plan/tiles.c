@@ -141,6 +141,32 @@ static void another_place_is_another_map(void **state) {
   }
 }
 
+/* Other parts of the same casters: another map, and shadows that rest. */
+static void other_parts_are_another_map(void **state) {
+  (void)state;
+  const csm_config config = default_config();
+  const test_camera camera = plain_camera();
+  const uint64_t revisions[1] = {0};
+  const plan_instance instance = {.transform = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}};
+  const plan_bounds bounds = {.extent = {1.0, 1.0, 1.0}};
+  const plan_scene scene = {
+      .instances = &instance, .revisions = revisions, .slot_count = 1, .meshes = &bounds, .mesh_count = 1};
+  plan_frame before = plan_empty(&config, &camera, (const double[3]){1, -2, 0.5}), now = before;
+  uint32_t slots[1] = {0};
+  plan_draw one[2] = {{.count = 1, .index_count = 6}, {.count = 1, .first_index = 12, .index_count = 3}};
+  plan_draw other[2] = {{.count = 1, .index_count = 6}, {.count = 1, .first_index = 12, .index_count = 3}};
+  before.windows[0].list = (plan_list){.instances = slots, .draws = one, .instance_count = 1, .draw_count = 2};
+  now.windows[0].list = (plan_list){.instances = slots, .draws = other, .instance_count = 1, .draw_count = 2};
+  assert_true(plan_cascade_same(&before, &now, 0, &scene, 0));
+  other[1].first_index = 9;
+  assert_false(plan_cascade_same(&before, &now, 0, &scene, 0));
+  assert_true(plan_cascade_same(&before, &now, 1, &scene, 0));
+  assert_true(plan_frame_rests(&before, &now, &scene, 0));
+  now.windows[0].list.draw_count = 1;
+  assert_false(plan_cascade_same(&before, &now, 0, &scene, 0));
+  assert_true(plan_hash(&before, &config, &scene) != plan_hash(&now, &config, &scene));
+}
+
 /* A frame of a still camera, whose maps are jittered. */
 static plan_frame jittered(const csm_config *config, uint32_t number, double diameter) {
   const plan_scene scene = {0};
@@ -200,6 +226,7 @@ int main(void) {
       cmocka_unit_test(maps_are_whole),
       cmocka_unit_test(a_blur_has_the_sum_1),
       cmocka_unit_test(another_place_is_another_map),
+      cmocka_unit_test(other_parts_are_another_map),
       cmocka_unit_test(jitter_moves_maps_and_nothing_else),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -260,9 +260,11 @@ static void count_casters(maps_state *state, const technique_run *run) {
   for (uint32_t i = 0; i < run->plan->window_count; ++i) {
     const plan_list *list = &run->plan->windows[i].list;
     csm_cascade_stats *stats = &state->cascades[run->plan->windows[i].cascade];
-    for (uint32_t d = 0; d < list->draw_count; ++d)
-      stats->triangles_drawn +=
-          (uint64_t)run->device->geometry.meshes[list->draws[d].mesh].index_count / 3 * list->draws[d].count;
+    for (uint32_t d = 0; d < list->draw_count; ++d) {
+      const plan_draw *draw = &list->draws[d];
+      const mesh_place *mesh = &run->device->geometry.meshes[draw->mesh];
+      stats->triangles_drawn += (uint64_t)draw_list_indices(draw, mesh) / 3 * draw->count;
+    }
   }
 }
 
