@@ -5,7 +5,7 @@
 
 enum {
   LAST = PLAN_CELLS - 1,
-  WORTH_A_CUT = 96 /* cells: on a CPU, filling so many takes about as long as another window's draws */
+  WORTH_A_CUT = 32 /* cells: on a CPU, filling so many takes about as long as another window's draws */
 };
 
 /* ---- along the light ---- */
