@@ -442,6 +442,60 @@ static void geometry_that_nobody_has_stays(void **state) {
   support_close(f.context, &f.record);
 }
 
+static uint32_t pages_drawn(const fixture *f) {
+  csm_stats stats = {.struct_size = sizeof stats};
+  assert_int_equal(csm_get_stats(f->cascades[0], &stats), CSM_SUCCESS);
+  assert_true(stats.pages_valid > 0 && stats.pages_drawn <= stats.pages_valid);
+  return stats.pages_drawn == stats.pages_valid ? UINT32_MAX : stats.pages_drawn;
+}
+
+/* A box, half a metre to one side or the other. */
+static void move_box(csm_scene *scene, const fixture *f, csm_instance_id *ids, double by) {
+  double moved[16];
+  memcpy(moved, f->scene.instances[1].transform, sizeof moved);
+  moved[12] += by;
+  const csm_scene_batch batch = {.struct_size = sizeof batch, .count = 1, .ids = &ids[1], .matrices = moved};
+  assert_int_equal(csm_scene_move(scene, &batch), CSM_SUCCESS);
+}
+
+/* Another device holds none of them, and the first one, when it is back, none of those that it had. */
+static void pages_are_made_anew(void **state) {
+  (void)state;
+  static float before[2 * pixels], after[2 * pixels];
+  fixture f;
+  csm_scene *scene;
+  csm_instance_id ids[SUPPORT_INSTANCES];
+  csm_config config = support_config();
+  open_fixture(&f, CSM_CREATE_KEEP_GEOMETRY, NULL);
+  const csm_scene_batch all = {
+      .struct_size = sizeof all, .count = SUPPORT_INSTANCES, .ids = ids, .instances = f.scene.instances};
+  assert_int_equal(csm_scene_create(f.context, &scene), CSM_SUCCESS);
+  assert_int_equal(csm_scene_add(scene, &all), CSM_SUCCESS);
+  f.scene.shot.frame.instances = NULL;
+  f.scene.shot.frame.instance_count = 0;
+  f.scene.shot.frame.scene = scene;
+  config.map_layout = CSM_LAYOUT_PAGES;
+  config.caster_set = CSM_CASTER_SET_VIEW;
+  for (int i = 0; i < 2; ++i)
+    assert_int_equal(csm_cascades_configure(f.cascades[i], &config), CSM_SUCCESS);
+  for (int i = 0; i < 3; ++i) {
+    draw(&f, 0, before);
+    assert_int_equal(pages_drawn(&f), UINT32_MAX);
+    draw(&f, 0, before);
+    assert_int_equal(pages_drawn(&f), 0);
+    move_box(scene, &f, ids, i % 2 ? 0.5 : -0.5);
+    draw(&f, 0, before);
+    assert_in_range(pages_drawn(&f), 1, 4096);
+    const csm_create_info info = to(&f, i % 2 ? support_backend() : other_backend());
+    assert_int_equal(csm_switch_backend(f.context, &info), CSM_SUCCESS);
+    draw(&f, 0, after);
+    assert_int_equal(pages_drawn(&f), UINT32_MAX);
+    check_masks(before, after);
+    assert_int_equal(csm_cascades_configure(f.cascades[0], &config), CSM_SUCCESS);
+  }
+  support_close(f.context, &f.record);
+}
+
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(there_and_back),
@@ -451,6 +505,7 @@ int main(int argc, char **argv) {
       cmocka_unit_test(geometry_is_supplied_again),
       cmocka_unit_test(a_switch_keeps_two_sided_leaves),
       cmocka_unit_test(geometry_that_nobody_has_stays),
+      cmocka_unit_test(pages_are_made_anew),
   };
   return support_main(argc, argv, tests, sizeof tests / sizeof tests[0]);
 }

@@ -32,14 +32,16 @@ static void place_things(fixture *f) {
   support_perspective(f->shot.camera.projection, 50, (double)WIDTH / HEIGHT, 0.5, 0);
 }
 
-static void open_fixture(fixture *f, rig_kind kind) {
+static void open_fixture(fixture *f, rig_kind kind, uint32_t layout) {
   *f = (fixture){.rig = rig_open(kind)};
   stage_open_with(&f->stage, f->rig, CSM_CREATE_RAYS);
   place_things(f);
-  f->stage.config.filter = CSM_FILTER_EXACT;
+  f->stage.config.filter = layout == CSM_LAYOUT_PAGES ? CSM_FILTER_PCF_3X3 : CSM_FILTER_EXACT;
   f->stage.config.shadow_distance = 40;
+  f->stage.config.map_layout = layout;
+  f->stage.config.resolution = 256;
   stage_configure(&f->stage);
-  f->forward = rig_forward_make(f->rig, WIDTH, HEIGHT);
+  f->forward = rig_forward_make(f->rig, WIDTH, HEIGHT, layout != CSM_LAYOUT_PAGES);
 }
 
 static void close_fixture(fixture *f) {
@@ -113,7 +115,7 @@ static void make_large_mesh(csm_context *context) {
 /* And again when the buffers have moved, and some of what casts has. */
 static void rays_are_read(rig_kind kind) {
   fixture f;
-  open_fixture(&f, kind);
+  open_fixture(&f, kind, CSM_LAYOUT_ARRAY);
   draw(&f);
   const uint64_t before = f.binding.native_ray_meshes;
   assert_true(before && f.binding.native_ray_instances && f.binding.native_ray_instances != before);
@@ -135,8 +137,22 @@ static void rays_are_read_on_a_modern_device(void **state) {
   rays_are_read(RIG_MODERN);
 }
 
+/* Maps of pages begin anywhere in their layer, and go on at the other side. */
+static void pages_are_read(void **state) {
+  (void)state;
+  fixture f;
+  open_fixture(&f, RIG_TYPICAL, CSM_LAYOUT_PAGES);
+  for (int step = 0; step < 3; ++step) {
+    support_look_at(f.shot.camera.view, (const double[]){2 + 0.7 * step, 8, 4 - 1.3 * step},
+                    (const double[]){2 - 2.0 * step, 1, -6});
+    draw(&f);
+  }
+  close_fixture(&f);
+}
+
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(pages_are_read),
       cmocka_unit_test(rays_are_read_on_a_typical_device),
       cmocka_unit_test(rays_are_read_on_a_modern_device),
   };

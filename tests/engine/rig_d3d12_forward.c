@@ -38,9 +38,9 @@ static void make_signature(rig_forward *f) {
       {.ParameterType = D3D12_ROOT_PARAMETER_TYPE_DESCRIPTOR_TABLE,
        .DescriptorTable = {.NumDescriptorRanges = 2, .pDescriptorRanges = ranges}}};
   const D3D12_STATIC_SAMPLER_DESC point = {.Filter = D3D12_FILTER_MIN_MAG_MIP_POINT,
-                                           .AddressU = D3D12_TEXTURE_ADDRESS_MODE_CLAMP,
-                                           .AddressV = D3D12_TEXTURE_ADDRESS_MODE_CLAMP,
-                                           .AddressW = D3D12_TEXTURE_ADDRESS_MODE_CLAMP,
+                                           .AddressU = D3D12_TEXTURE_ADDRESS_MODE_WRAP,
+                                           .AddressV = D3D12_TEXTURE_ADDRESS_MODE_WRAP,
+                                           .AddressW = D3D12_TEXTURE_ADDRESS_MODE_WRAP,
                                            .ComparisonFunc = D3D12_COMPARISON_FUNC_NEVER};
   D3D12_STATIC_SAMPLER_DESC samplers[] = {point, point};
   samplers[1].ShaderRegister = 1;
@@ -56,11 +56,12 @@ static void make_signature(rig_forward *f) {
   ID3D10Blob_Release(blob);
 }
 
-static void make_state(rig_forward *f) {
+static void make_state(rig_forward *f, bool rays) {
+  const gpu_code *code = rays ? &shader_forward_exact_ps : &shader_forward_gathers_ps;
   const D3D12_GRAPHICS_PIPELINE_STATE_DESC info = {
       .pRootSignature = f->signature,
       .VS = {shader_screen_vs.dxbc, shader_screen_vs.dxbc_size},
-      .PS = {shader_forward_exact_ps.dxbc, shader_forward_exact_ps.dxbc_size},
+      .PS = {code->dxbc, code->dxbc_size},
       .BlendState = {.RenderTarget = {{.RenderTargetWriteMask = D3D12_COLOR_WRITE_ENABLE_ALL}}},
       .SampleMask = ~0u,
       .RasterizerState = {.FillMode = D3D12_FILL_MODE_SOLID, .CullMode = D3D12_CULL_MODE_NONE},
@@ -97,12 +98,12 @@ static void make_heaps(rig_forward *f) {
                                       ID3D12DescriptorHeap_GetCPUDescriptorHandleForHeapStart(f->target_heap));
 }
 
-rig_forward *rig_forward_make(rig *rig, uint32_t width, uint32_t height) {
+rig_forward *rig_forward_make(rig *rig, uint32_t width, uint32_t height, bool rays) {
   rig_forward *f = calloc(1, sizeof *f);
   assert_non_null(f);
   *f = (rig_forward){.rig = rig, .width = width, .height = height};
   make_signature(f);
-  make_state(f);
+  make_state(f, rays);
   make_target(f);
   make_heaps(f);
   f->constants = rig_buffer_make(rig, RIG_CONSTANTS, AT_PLANE + PLANE);

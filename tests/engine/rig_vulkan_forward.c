@@ -29,7 +29,7 @@ struct rig_forward {
   VkImageView view;
   VkRenderPass pass;
   VkFramebuffer framebuffer;
-  VkSampler sampler; /* point, clamped */
+  VkSampler sampler; /* point, repeated, as pages need it */
   VkDescriptorSetLayout set_layout;
   VkPipelineLayout layout;
   VkPipeline pipeline;
@@ -125,9 +125,9 @@ static void make_set(rig_forward *f) {
                                            .pSetLayouts = &f->set_layout};
   rig_vulkan_must(vkAllocateDescriptorSets(device, &one, &f->set), "vkAllocateDescriptorSets");
   const VkSamplerCreateInfo sampler = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
-                                       .addressModeU = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
-                                       .addressModeV = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
-                                       .addressModeW = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE};
+                                       .addressModeU = VK_SAMPLER_ADDRESS_MODE_REPEAT,
+                                       .addressModeV = VK_SAMPLER_ADDRESS_MODE_REPEAT,
+                                       .addressModeW = VK_SAMPLER_ADDRESS_MODE_REPEAT};
   rig_vulkan_must(vkCreateSampler(device, &sampler, NULL, &f->sampler), "vkCreateSampler");
 }
 
@@ -141,10 +141,10 @@ static VkPipelineShaderStageCreateInfo make_stage(const rig_forward *f, VkShader
   return out;
 }
 
-static void make_pipeline(rig_forward *f) {
+static void make_pipeline(rig_forward *f, bool rays) {
   const VkPipelineShaderStageCreateInfo stages[] = {
       make_stage(f, VK_SHADER_STAGE_VERTEX_BIT, &shader_screen_vs),
-      make_stage(f, VK_SHADER_STAGE_FRAGMENT_BIT, &shader_forward_exact_ps)};
+      make_stage(f, VK_SHADER_STAGE_FRAGMENT_BIT, rays ? &shader_forward_exact_ps : &shader_forward_gathers_ps)};
   const VkPipelineVertexInputStateCreateInfo input = {.sType =
                                                           VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
   const VkPipelineInputAssemblyStateCreateInfo assembly = {
@@ -182,14 +182,14 @@ static void make_pipeline(rig_forward *f) {
     vkDestroyShaderModule(f->rig->device, stages[i].module, NULL);
 }
 
-rig_forward *rig_forward_make(rig *rig, uint32_t width, uint32_t height) {
+rig_forward *rig_forward_make(rig *rig, uint32_t width, uint32_t height, bool rays) {
   rig_forward *f = calloc(1, sizeof *f);
   assert_non_null(f);
   *f = (rig_forward){.rig = rig, .width = width, .height = height};
   make_image(f);
   make_pass(f);
   make_set(f);
-  make_pipeline(f);
+  make_pipeline(f, rays);
   f->constants = rig_buffer_make(rig, RIG_CONSTANTS, AT_PLANE + PLANE);
   f->copy = rig_buffer_make(rig, RIG_READBACK, (uint64_t)rig_pitch(width, 1) * height);
   return f;
