@@ -214,11 +214,17 @@ void rig_forward_free(rig_forward *f) {
 
 /* ---- a picture ---- */
 
+/* Where there are no rays, any buffer that nothing reads. */
+static VkBuffer ray_buffer(const rig_forward *f, uint64_t native) {
+  return native ? (VkBuffer)native : f->constants.object;
+}
+
 static void write_set(const rig_forward *f, const csm_binding *binding) {
-  const VkDescriptorBufferInfo buffers[BINDINGS] = {{f->constants.object, 0, CONSTANTS},
-                                                    {f->constants.object, AT_PLANE, PLANE},
-                                                    [4] = {(VkBuffer)binding->native_ray_meshes, 0, VK_WHOLE_SIZE},
-                                                    [5] = {(VkBuffer)binding->native_ray_instances, 0, VK_WHOLE_SIZE}};
+  const VkDescriptorBufferInfo buffers[BINDINGS] = {
+      {f->constants.object, 0, CONSTANTS},
+      {f->constants.object, AT_PLANE, PLANE},
+      [4] = {ray_buffer(f, binding->native_ray_meshes), 0, VK_WHOLE_SIZE},
+      [5] = {ray_buffer(f, binding->native_ray_instances), 0, VK_WHOLE_SIZE}};
   const VkDescriptorImageInfo image = {.sampler = f->sampler,
                                        .imageView = (VkImageView)binding->native_maps_view,
                                        .imageLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
