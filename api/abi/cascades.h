@@ -15,7 +15,10 @@ typedef struct planned {
   const csm_scene *scene; /* NULL: the list */
   bool scene_gone;        /* it was destroyed since */
   bool others_cast;       /* the engine's callback drew into the maps */
-  uint64_t revision;      /* of the scene */
+  csm_camera camera;      /* as the frame gave it, and so the next ones */
+  csm_light light;
+  uint32_t flags;
+  uint64_t revision; /* of the scene */
   uint64_t meshes_revision;
   uint32_t instances, changed;
   csm_constants constants;

@@ -5,6 +5,8 @@
 #include "techniques/depth_samples/depth_samples.h"
 #include "techniques/rays/instances.h"
 
+#include <string.h>
+
 /* ---- planning ---- */
 
 /* Renders without a resolve after which a view is none of these cascades' pictures any more. */
@@ -108,9 +110,33 @@ static csm_result make_plan(csm_cascades *cascades, const frame_input *input, pl
   result = plan_frame_make(&out->frame, &info, out->memory, &text);
   if (result)
     return host_fail(&context->host, result, "csm_frame: %s", text);
+  out->camera = input->camera;
+  out->light = input->light;
+  out->flags = frame->flags;
   out->changed = count_changed(cascades, out);
   plan_write_constants((float *)&out->constants, &out->frame, &cascades->config);
   return CSM_SUCCESS;
+}
+
+/* Whether a frame of pages is the last one once more: then nothing has to be planned, or drawn. */
+static bool stands_still(const csm_cascades *cascades, const frame_input *input) {
+  const planned *last = cascades_planned(cascades);
+  const csm_frame *frame = &input->frame;
+  const plan_frame *plan = &last->frame;
+  const double *origin = frame->origin ? frame->origin : plan->camera.position;
+  return cascades->drawn && plan->pages && !plan->unshadowed && frame->scene && frame->scene == last->scene &&
+         planned_current(cascades) && !frame->draw && cascades->config.depth_samples == CSM_DEPTH_SAMPLES_OFF &&
+         memcmp(&input->camera, &last->camera, sizeof last->camera) == 0 &&
+         memcmp(&input->light, &last->light, sizeof last->light) == 0 &&
+         memcmp(origin, plan->origin, sizeof plan->origin) == 0 &&
+         !((frame->flags ^ last->flags) & CSM_FRAME_RECEIVERS);
+}
+
+/* The last plan, once more. */
+static void plan_again(planned *last, const csm_context *context, plan_scene *scene) {
+  *scene = scene_of(&context->assets, &last->scene->store);
+  plan_frame_rest(&last->frame);
+  last->changed = 0;
 }
 
 /* ---- the frame ---- */
@@ -139,10 +165,13 @@ csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame 
     return result;
   frame_input input;
   plan_scene scene;
-  planned *next = &cascades->plans[!cascades->current];
   const double begin_ms = clock_ms();
   result = frame_input_read(cascades->context, in, true, &input);
-  if (!result)
+  const bool still = !result && stands_still(cascades, &input);
+  planned *next = &cascades->plans[still ? cascades->current : !cascades->current];
+  if (still)
+    plan_again(next, cascades->context, &scene);
+  else if (!result)
     result = make_plan(cascades, &input, next, &scene);
   if (result)
     return result;
@@ -155,7 +184,7 @@ csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame 
                        .frame = &input.frame,
                        .timestamps = input.frame.flags & CSM_FRAME_TIMESTAMPS,
                        .cascades = &cascades->techniques,
-                       .same = same_maps(cascades, next, &scene),
+                       .same = still ? 0 : same_maps(cascades, next, &scene),
                        .light_layers = input.light.layers,
                        .scene = &scene};
   technique_times times;
@@ -163,8 +192,8 @@ csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame 
   if (result)
     return result;
   ray_instances_write(&cascades->techniques, &next->frame, &next->constants);
-  cascades->changes += !rests(cascades, next, &scene);
-  cascades->current = !cascades->current;
+  cascades->changes += !still && !rests(cascades, next, &scene);
+  cascades->current = (uint32_t)(next - cascades->plans);
   cascades->history = next->frame.history;
   cascades->drawn = true;
   ++cascades->renders;

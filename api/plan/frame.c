@@ -223,6 +223,14 @@ csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *m
   return CSM_SUCCESS;
 }
 
+void plan_frame_rest(plan_frame *frame) {
+  frame->window_count = 0;
+  for (uint32_t i = 0; i < frame->cascade_count; ++i) {
+    memset(frame->cascades[i].due, 0, sizeof frame->cascades[i].due);
+    frame->cascades[i].casters = 0;
+  }
+}
+
 void plan_history_reconfigure(plan_history *history) {
   plan_history kept = {.has_light = history->has_light};
   memcpy(kept.light, history->light, sizeof kept.light);

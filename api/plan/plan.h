@@ -362,6 +362,9 @@ size_t plan_memory_size(uint32_t slot_count, uint32_t mesh_count, uint32_t windo
  */
 csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *memory, const char **error);
 
+/* Makes a plan of pages that of the same frame once more, in which nothing has changed: no page is drawn. */
+void plan_frame_rest(plan_frame *frame);
+
 /* What a camera sees of the receivers, for a depth pre-pass. */
 void plan_view_make(plan_list *out, const plan_camera *camera, const plan_scene *scene, void *memory);
 

@@ -214,30 +214,26 @@ void rig_forward_free(rig_forward *f) {
 
 /* ---- a picture ---- */
 
-/* Where there are no rays, any buffer that nothing reads. */
-static VkBuffer ray_buffer(const rig_forward *f, uint64_t native) {
-  return native ? (VkBuffer)native : f->constants.object;
-}
-
 static void write_set(const rig_forward *f, const csm_binding *binding) {
-  const VkDescriptorBufferInfo buffers[BINDINGS] = {
-      {f->constants.object, 0, CONSTANTS},
-      {f->constants.object, AT_PLANE, PLANE},
-      [4] = {ray_buffer(f, binding->native_ray_meshes), 0, VK_WHOLE_SIZE},
-      [5] = {ray_buffer(f, binding->native_ray_instances), 0, VK_WHOLE_SIZE}};
+  const VkDescriptorBufferInfo buffers[BINDINGS] = {{f->constants.object, 0, CONSTANTS},
+                                                    {f->constants.object, AT_PLANE, PLANE},
+                                                    [4] = {(VkBuffer)binding->native_ray_meshes, 0, VK_WHOLE_SIZE},
+                                                    [5] = {(VkBuffer)binding->native_ray_instances, 0, VK_WHOLE_SIZE}};
   const VkDescriptorImageInfo image = {.sampler = f->sampler,
                                        .imageView = (VkImageView)binding->native_maps_view,
                                        .imageLayout = VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
   VkWriteDescriptorSet writes[BINDINGS];
+  uint32_t count = 0;
   for (uint32_t i = 0; i < BINDINGS; ++i)
-    writes[i] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                                       .dstSet = f->set,
-                                       .dstBinding = places[i].binding,
-                                       .descriptorCount = 1,
-                                       .descriptorType = places[i].type,
-                                       .pImageInfo = &image,
-                                       .pBufferInfo = &buffers[i]};
-  vkUpdateDescriptorSets(f->rig->device, BINDINGS, writes, 0, NULL);
+    if (places[i].type != VK_DESCRIPTOR_TYPE_STORAGE_BUFFER || buffers[i].buffer) /* none without rays */
+      writes[count++] = (VkWriteDescriptorSet){.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                               .dstSet = f->set,
+                                               .dstBinding = places[i].binding,
+                                               .descriptorCount = 1,
+                                               .descriptorType = places[i].type,
+                                               .pImageInfo = &image,
+                                               .pBufferInfo = &buffers[i]};
+  vkUpdateDescriptorSets(f->rig->device, count, writes, 0, NULL);
 }
 
 void rig_forward_draw(rig_forward *f, const csm_binding *binding, const float plane[FORWARD_PLANE]) {
