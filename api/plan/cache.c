@@ -76,8 +76,8 @@ static void put_transform(const plan_kept *kept, const double basis[9], const pl
 static void note_changed(const plan_kept *kept, plan_cache *cache, uint32_t slot) {
   const plan_light_block *block = &kept->blocks[slot / PLAN_BLOCK];
   const uint32_t at = slot % PLAN_BLOCK;
-  cache->spoiled |= cache->changed == changes_most(cache);
-  if (cache->spoiled || !(block->low[0][at] <= block->high[0][at]))
+  cache->unknown |= cache->changed == changes_most(cache);
+  if (cache->unknown || !(block->low[0][at] <= block->high[0][at]))
     return;
   kept->changed[cache->changed++] = (plan_span_across){.low = {block->low[0][at], block->low[1][at]},
                                                        .high = {block->high[0][at], block->high[1][at]}};
@@ -122,7 +122,7 @@ plan_kept plan_cache_fill(plan_cache *cache, const double basis[9], const plan_s
   } else {
     memcpy(cache->basis, basis, sizeof cache->basis);
     fill(&kept, cache, scene);
-    cache->spoiled = true;
+    cache->unknown = true;
   }
   cache->keeps = true;
   cache->identity = scene->identity;

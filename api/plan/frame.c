@@ -86,8 +86,10 @@ static csm_result fit_frame(plan_frame *frame, plan_fit *fits, const plan_frame_
   if (find_casters(&casters, &to, info))
     to.casters = &casters;
   result = fit_cascades(frame, fits, &to, error);
-  if (frame->unshadowed && info->before) /* what was fitted waits until there are shadows again */
+  if (frame->unshadowed && info->before) { /* what was fitted waits until there are shadows again */
     frame->history = *info->before;
+    frame->history.pages_identity = info->maps_kept ? info->before->pages_identity : 0;
+  }
   frame->light_diameter = info->light_diameter;
   frame->history.has_light = true;
   memcpy(frame->history.light, light, sizeof light);
@@ -145,6 +147,15 @@ static void cull_by_cells(plan_frame *frame, const fitted *fitted, const plan_fr
   plan_cull_unread(lists, cells, cull, kept, info->scene);
 }
 
+/* Pages that something moved over are no longer valid, though none is drawn. */
+static void read_nothing(plan_frame *frame, const fitted *fitted, const plan_frame_info *info, plan_lists *lists) {
+  plan_cells cells[PLAN_WINDOWS_MOST];
+  (void)plan_cache_fill(info->cache, frame->basis, info->scene);
+  for (uint32_t i = 0; i < frame->cascade_count; ++i)
+    plan_cells_lay(&cells[i], &fitted->areas[i]);
+  plan_pages_make(frame, fitted->fits, lists, cells, info);
+}
+
 /* Where each map lies along the light, which is where its casters begin, and what is drawn into it. */
 static void cull_and_place(plan_frame *frame, fitted *fitted, const plan_frame_info *info, plan_lists *lists) {
   const csm_config *config = info->config;
@@ -152,7 +163,7 @@ static void cull_and_place(plan_frame *frame, fitted *fitted, const plan_frame_i
   if (config->depth_mode == CSM_DEPTH_SCENE || config->depth_mode == CSM_DEPTH_SCENE_CLIPPED || frame->pages)
     plan_scene_bounds(&box, frame->basis, info->scene);
   if (frame->pages)
-    plan_pages_depth(&box, frame, info);
+    plan_pages_depth(&box, frame, fitted->fits, info);
   plan_hull hull = {0};
   const double depths[2] = {frame->camera.near_depth, frame->cascades[frame->cascade_count - 1].info.far_depth};
   if (config->caster_set == CSM_CASTER_SET_VIEW && !frame->pages) /* a page that is drawn is drawn whole */
@@ -171,7 +182,7 @@ static void cull_and_place(plan_frame *frame, fitted *fitted, const plan_frame_i
   if (shades)
     cull_by_cells(frame, fitted, info, lists, &to, &kept);
   else if (frame->pages)
-    plan_pages_make(frame, fitted->fits, lists, (plan_cells[PLAN_WINDOWS_MOST]){0}, info);
+    read_nothing(frame, fitted, info, lists);
   frame->to_light = (const double(*)[12])kept.transforms;
 }
 

@@ -350,6 +350,8 @@ typedef struct plan_cells {
   double begin[2], size[2];  /* where the first begins along right and up in light space, and of each: metres */
   uint64_t read[PLAN_CELLS]; /* a row's cells, a bit each */
 } plan_cells;
+/* Lays the cells of a map out, none of which is read. */
+void plan_cells_lay(plan_cells *out, const plan_area *area);
 /* Notes that the cells that a box across the light lies over are read. */
 void plan_cells_add(plan_cells *cells, const double low[2], const double high[2]);
 /* Whether a box across the light lies over a cell that is read. */
@@ -390,10 +392,10 @@ void plan_seen_cells(plan_cells *cells, const plan_frame *frame, const plan_area
 /* Before a plan: forgets changes that the pages of the frame before know of. */
 void plan_pages_begin(const plan_frame_info *info);
 /* The depths of maps that are made of pages: those of the scene, which stay. */
-void plan_pages_depth(plan_scene_box *box, plan_frame *frame, const plan_frame_info *info);
+void plan_pages_depth(plan_scene_box *box, plan_frame *frame, const plan_fit *fits, const plan_frame_info *info);
 /*
  * Which pages of the maps are drawn, and in which windows: those whose cells are read and that are not valid. Turns the
- * lists of cascades into those of windows. Of `cells`, which become those of the windows, `read` is filled in.
+ * lists of cascades into those of windows. `Cells` become those of the windows.
  */
 void plan_pages_make(plan_frame *frame, const plan_fit *fits, plan_lists *lists, plan_cells *cells,
                      const plan_frame_info *info);

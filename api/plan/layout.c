@@ -52,7 +52,8 @@ bool plan_has_pages(const csm_config *config) {
 }
 
 uint32_t plan_windows_most(const csm_config *config) {
-  return plan_has_pages(config) ? PLAN_WINDOWS_MOST : config->cascade_count;
+  return plan_has_pages(config) ? PLAN_WINDOWS_MOST / config->cascade_count * config->cascade_count
+                                : config->cascade_count;
 }
 
 void plan_layout_make(plan_layout *out, const csm_config *config) {

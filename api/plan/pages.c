@@ -15,7 +15,11 @@ static bool holds(const double kept[2], const double needed[2]) {
   return kept[0] <= needed[0] && needed[1] <= kept[1] && kept[1] - kept[0] <= 4.0 * (needed[1] - needed[0]);
 }
 
-void plan_pages_depth(plan_scene_box *box, plan_frame *frame, const plan_frame_info *info) {
+static bool same_light(const plan_frame *frame, const plan_history *before) {
+  return before && memcmp(before->pages_basis, frame->basis, sizeof frame->basis) == 0;
+}
+
+void plan_pages_depth(plan_scene_box *box, plan_frame *frame, const plan_fit *fits, const plan_frame_info *info) {
   const plan_history *before = info->before;
   double needed[2] = {INFINITY, -INFINITY};
   for (uint32_t i = 0; i < box->corner_count; ++i) {
@@ -24,10 +28,10 @@ void plan_pages_depth(plan_scene_box *box, plan_frame *frame, const plan_frame_i
   }
   if (box->corner_count == 0)
     return;
+  for (uint32_t i = 0; i < frame->cascade_count && !info->all_receivers; ++i) /* some may lie beside the scene */
+    needed[1] = fmax(needed[1], fits[i].depth[1]);
   const double room = (needed[1] - needed[0]) / 8.0;
-  const bool same_light = before && before->pages_depth[0] < before->pages_depth[1] &&
-                          memcmp(before->basis, frame->basis, sizeof before->basis) == 0;
-  const bool keeps = same_light && holds(before->pages_depth, needed);
+  const bool keeps = same_light(frame, before) && holds(before->pages_depth, needed);
   box->steady[0] = keeps ? before->pages_depth[0] : needed[0] - room;
   box->steady[1] = keeps ? before->pages_depth[1] : needed[1] + room;
   memcpy(frame->history.pages_depth, box->steady, sizeof box->steady);
@@ -81,12 +85,12 @@ static bool drawn_alike(const plan_pages *a, const plan_pages *b) {
 }
 
 /* Whether all that changed since pages were drawn is known. */
-static bool knows_changes(const plan_frame_info *info) {
+static bool knows_changes(const plan_frame *frame, const plan_frame_info *info) {
   const plan_cache *cache = info->cache;
   const plan_history *before = info->before;
-  return info->maps_kept && before && cache && info->scene->identity && cache->keeps && !cache->spoiled &&
+  return info->maps_kept && before && cache && info->scene->identity && cache->keeps && !cache->unknown &&
          before->pages_identity == info->scene->identity && cache->identity == info->scene->identity &&
-         before->pages_layers == info->light_layers;
+         before->pages_layers == info->light_layers && same_light(frame, before);
 }
 
 void plan_pages_begin(const plan_frame_info *info) {
@@ -95,7 +99,7 @@ void plan_pages_begin(const plan_frame_info *info) {
       cache->revision != info->before->pages_revision)
     return;
   cache->changed = 0;
-  cache->spoiled = false;
+  cache->unknown = false;
 }
 
 /* Over which cells something changed; a texel's centre may be covered from beside it. */
@@ -191,7 +195,7 @@ static void finish_window(plan_window *window, const plan_cascade *of, const pla
   int64_t square[2];
   (void)bound(&b, cells);
   for (int axis = 0; axis < 2; ++axis)
-    square[axis] = (pages->first[axis] + b.low[axis]) >> 6;
+    square[axis] = (pages->first[axis] + b.low[axis]) >> 6; /* 64 pages; it rounds down */
   place_window(window, of, fit, square);
   window->slots[0] = (uint32_t)((pages->first[0] + b.low[0]) & LAST);
   window->slots[1] = slot_row(pages, b.high[1]);
@@ -259,11 +263,7 @@ static void find_due(plan_frame *frame, uint32_t cascade, const plan_fit *fit, p
   plan_pages *pages = &frame->history.pages[cascade];
   uint64_t valid[PLAN_CELLS] = {0};
   begin_pages(pages, of, fit);
-  for (int axis = 0; axis < 2; ++axis) {
-    cells->begin[axis] = fit->anchor[axis] + fit->origin[axis] * fit->texel[axis];
-    cells->size[axis] = fit->texel[axis] * (fit->resolution / (double)PLAN_CELLS);
-  }
-  if (knows_changes(info) && drawn_alike(&info->before->pages[cascade], pages)) {
+  if (knows_changes(frame, info) && drawn_alike(&info->before->pages[cascade], pages)) {
     keep_cells(valid, &info->before->pages[cascade], pages);
     spoil(valid, cells, info, fmax(fit->texel[0], fit->texel[1]));
   }
@@ -296,6 +296,7 @@ void plan_pages_make(plan_frame *frame, const plan_fit *fits, plan_lists *lists,
   history->pages_identity = stays ? info->scene->identity : 0;
   history->pages_revision = stays ? info->cache->revision : 0;
   history->pages_layers = info->light_layers;
+  memcpy(history->pages_basis, frame->basis, sizeof history->pages_basis);
 }
 
 bool plan_next_slots(uint32_t out[4], uint64_t rows[PLAN_CELLS]) {

@@ -220,6 +220,9 @@ enum { PLAN_CELLS = 64 }; /* of a map, across and up; the pages of one that is m
 /*
  * Pages of a cascade's layer. The world is laid out in pages from the map's anchor on; page (x, y), y up, lies in slot
  * x mod 64 of row -1 - y mod 64 from the top. The layer holds the 64 x 64 pages from `first` on.
+ *
+ * What a page holds follows from where it lies, from texel, anchor, range of depths and the light's basis, and from the
+ * casters over it; from nothing else. So it is kept while those stay, whatever the camera does.
  */
 typedef struct plan_pages {
   bool any;                   /* false: nothing is valid, and nothing else is filled in */
@@ -253,9 +256,10 @@ typedef struct plan_history {
   plan_steps casters_width;                    /* that maps were narrowed to */
   plan_steps bound_steps[CSM_MAX_CASCADES][2]; /* by which each map was narrowed */
   plan_pages pages[CSM_MAX_CASCADES];
-  uint64_t pages_identity,
-      pages_revision;    /* of the scene that pages were drawn of; an identity of 0: of none that stays */
+  uint64_t pages_identity; /* of the scene that pages were drawn of; 0: of none that stays */
+  uint64_t pages_revision;
   uint32_t pages_layers; /* of the light */
+  double pages_basis[9];
   double pages_depth[2]; /* the range of depths, in metres from the world's origin; equal: none yet */
 } plan_history;
 
@@ -280,8 +284,9 @@ typedef struct plan_cascade {
 } plan_cascade;
 
 /*
- * What is drawn at one go: of whole maps, cascade i's in window i; of pages, some of those that lie in one of the squares,
- * as wide as a map, that the world is laid out in from the map's anchor on. So a page is drawn alike whenever it is.
+ * What is drawn at one go. Of whole maps, window i is cascade i's map. The world of pages is laid out in squares, each as
+ * wide as a map. A window is some pages of one of them, and its clip space is all of that square: so a page comes out
+ * alike, whatever is drawn beside it.
  */
 typedef struct plan_window {
   uint32_t cascade;
@@ -308,7 +313,9 @@ typedef struct plan_frame {
   plan_cascade cascades[CSM_MAX_CASCADES];
   uint32_t window_count;
   plan_window windows[PLAN_WINDOWS_MOST];
-  const uint8_t *drawn; /* by slot: bit i is set if cascade i draws it; NULL if there are no slots */
+  const uint8_t
+      *drawn; /* by slot: bit i is set if cascade i draws it, or of pages if it lies over one that is read; NULL
+                           if there are no slots */
   uint32_t slot_count;
   const double (*to_light)[12]; /* by slot: what the cache keeps, until it is used again; NULL: nothing */
   plan_history history;         /* for the next frame */
@@ -326,7 +333,7 @@ typedef struct plan_cache {
   uint64_t identity, revision;
   double basis[9];
   uint32_t changed; /* boxes of what changed since plan_pages_begin, as they were and as they are */
-  bool spoiled;     /* not all of them are there */
+  bool unknown;     /* not all of them are there */
 } plan_cache;
 
 size_t plan_cache_size(uint32_t slot_count);

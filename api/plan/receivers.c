@@ -120,6 +120,14 @@ static inline bool find_cells(cell_rect *out, const plan_cells *cells, const dou
   return true;
 }
 
+void plan_cells_lay(plan_cells *out, const plan_area *area) {
+  *out = (plan_cells){0};
+  for (int axis = 0; axis < 2; ++axis) {
+    out->begin[axis] = area->min[axis];
+    out->size[axis] = (area->max[axis] - area->min[axis]) / PLAN_CELLS;
+  }
+}
+
 void plan_cells_add(plan_cells *cells, const double low[2], const double high[2]) {
   cell_rect rect;
   if (find_cells(&rect, cells, low, high))
@@ -240,20 +248,12 @@ static void find_held(double held[2], const reading *of, uint32_t cascade) {
   held[1] = fmax(ends[0], ends[1]) - of->borders[cascade];
 }
 
-static void lay_cells(plan_cells *out, const plan_area *area) {
-  *out = (plan_cells){0};
-  for (int axis = 0; axis < 2; ++axis) {
-    out->begin[axis] = area->min[axis];
-    out->size[axis] = (area->max[axis] - area->min[axis]) / PLAN_CELLS;
-  }
-}
-
 static void make_reader(reader *out, plan_cells *cells, const reading *of, uint32_t cascade) {
   const plan_area *area = &of->areas[cascade];
   const double texel = largest_texel(&of->frame->cascades[cascade]);
   *out = (reader){.cells = cells, .room = texel * plan_view_room_texels(of->config, cascade)};
   find_held(out->held, of, cascade);
-  lay_cells(cells, area);
+  plan_cells_lay(cells, area);
   find_depths(out->depths, of, cascade);
   plan_hull hull;
   plan_view_hull(&hull, &of->frame->camera, of->frame->basis, out->depths, out->room);
@@ -364,7 +364,7 @@ void plan_seen_cells(plan_cells *cells, const plan_frame *frame, const plan_area
   for (uint32_t i = 0; i < frame->cascade_count; ++i) {
     plan_hull hull = {0};
     const double room = largest_texel(&frame->cascades[i]) * plan_view_room_texels(config, i);
-    lay_cells(&cells[i], &areas[i]);
+    plan_cells_lay(&cells[i], &areas[i]);
     if (config->caster_set == CSM_CASTER_SET_VIEW)
       plan_view_hull(&hull, &frame->camera, frame->basis, depths, room);
     for (uint32_t y = 0; y < PLAN_CELLS; ++y)

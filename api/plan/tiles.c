@@ -42,39 +42,22 @@ void plan_seen_tiles(uint8_t *tiles, const plan_frame *frame, const csm_config *
     }
 }
 
-/* Whether a map that is made of pages holds what it held. */
-static bool same_drawn(const plan_frame *before, const plan_frame *now, uint32_t cascade, const plan_scene *scene,
-                       uint64_t revision) {
-  bool same = before->slot_count == now->slot_count;
-  for (uint32_t slot = 0; slot < now->slot_count && same; ++slot) {
+/* Whether a cascade's casters are those that it had, and none has changed; other parts of them may be drawn. */
+static bool same_casters(const plan_frame *before, const plan_frame *now, uint32_t cascade, const plan_scene *scene,
+                         uint64_t revision) {
+  bool same = !before->unshadowed && !now->unshadowed && cascade < before->cascade_count &&
+              before->slot_count == now->slot_count && memcmp(before->basis, now->basis, sizeof now->basis) == 0;
+  for (uint32_t slot = 0; same && slot < now->slot_count; ++slot) {
     const bool drawn = now->drawn[slot] >> cascade & 1;
     same = drawn == (before->drawn[slot] >> cascade & 1) && !(drawn && scene->revisions[slot] > revision);
   }
   return same;
 }
 
-/* Whether a cascade's casters are those that it had, seen from the same side; other parts of them may be drawn. */
-static bool same_casters(const plan_frame *before, const plan_frame *now, uint32_t cascade, const plan_scene *scene,
-                         uint64_t revision) {
-  const plan_list *a = &before->windows[cascade].list, *b = &now->windows[cascade].list;
-  if (before->unshadowed || now->unshadowed || cascade >= before->cascade_count ||
-      memcmp(before->basis, now->basis, sizeof now->basis) != 0)
-    return false;
-  if (now->pages)
-    return same_drawn(before, now, cascade, scene, revision);
-  if (a->instance_count != b->instance_count)
-    return false;
-  for (uint32_t i = 0; i < b->instance_count; ++i) {
-    const uint32_t slot = b->instances[i];
-    if (a->instances[i] != slot || scene->revisions[slot] > revision)
-      return false;
-  }
-  return true;
-}
-
-static bool same_draws(const plan_list *a, const plan_list *b) {
-  return a->draw_count == b->draw_count &&
-         (!b->draw_count || memcmp(a->draws, b->draws, b->draw_count * sizeof *b->draws) == 0);
+static bool same_lists(const plan_list *a, const plan_list *b) {
+  return a->draw_count == b->draw_count && a->instance_count == b->instance_count &&
+         (!b->draw_count || (memcmp(a->draws, b->draws, b->draw_count * sizeof *b->draws) == 0 &&
+                             memcmp(a->instances, b->instances, b->instance_count * sizeof *b->instances) == 0));
 }
 
 bool plan_cascade_same(const plan_frame *before, const plan_frame *now, uint32_t cascade, const plan_scene *scene,
@@ -82,7 +65,7 @@ bool plan_cascade_same(const plan_frame *before, const plan_frame *now, uint32_t
   const plan_cascade *a = &before->cascades[cascade], *b = &now->cascades[cascade];
   return !now->pages && memcmp(a->to_clip, b->to_clip, sizeof a->to_clip) == 0 &&
          same_casters(before, now, cascade, scene, revision) &&
-         same_draws(&before->windows[cascade].list, &now->windows[cascade].list);
+         same_lists(&before->windows[cascade].list, &now->windows[cascade].list);
 }
 
 /* Whether a cascade lies where it lay, but for its jitter, and is read for the same depths. */

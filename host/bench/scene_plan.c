@@ -73,7 +73,7 @@ int bench_plan_make(bench_plan *out, const host_setup *setup, uint32_t instance_
                             .receiver_count = instance_count,
                             .meshes = out->bounds,
                             .mesh_count = (uint32_t)s->mesh_count};
-  const size_t size = plan_memory_size(instance_count, out->scene.mesh_count, setup->config.cascade_count);
+  const size_t size = plan_memory_size(instance_count, out->scene.mesh_count, plan_windows_most(&setup->config));
   out->memory = host_allocate(size, 1);
   const char *error = NULL;
   if (plan_config_check(&setup->config, &error) != CSM_SUCCESS)
@@ -96,7 +96,7 @@ estimate bench_plan_time(bench_plan *plan, const host_setup *setup, uint32_t cou
   for (uint32_t i = 0; i < count; i++) {
     const double start = host_now_ms();
     plan_once(plan, setup);
-    for (uint32_t k = 0; k < plan->frame.cascade_count; k++)
+    for (uint32_t k = 0; k < plan->frame.window_count; k++)
       plan_write_window_matrices(plan->matrices, &plan->frame, k, &plan->scene);
     plan_write_constants(constants, &plan->frame, &setup->config);
     samples[i] = host_now_ms() - start;

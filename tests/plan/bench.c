@@ -175,7 +175,7 @@ static void compare(bench *b, uint32_t moved) {
 
 static void begin_side(side *side, uint64_t key) {
   instances_begin(&side->store, &(instances_memory){.allocate = give, .release = take_back}, handles_key(side, key));
-  side->memory = malloc(plan_memory_size(instance_count, mesh_count, CSM_MAX_CASCADES));
+  side->memory = malloc(plan_memory_size(instance_count, mesh_count, PLAN_WINDOWS_MOST));
   side->cache = (plan_cache){.memory = give(NULL, plan_cache_size(instance_count), 64), .slots = instance_count};
   if (!side->memory || !side->cache.memory)
     stop("out of memory");

@@ -413,7 +413,7 @@ static void receivers_leave_maps_where_they_are(void **state) {
   enum { instances = 300, meshes = 5 };
   random_state random = {12};
   test_scene scene = scene_make(instances, meshes);
-  void *memory = malloc(plan_memory_size(instances, meshes, CSM_MAX_CASCADES));
+  void *memory = malloc(plan_memory_size(instances, meshes, PLAN_WINDOWS_MOST));
   uint64_t all = 0, drawn = 0;
   assert_non_null(memory);
   for (int i = 0; i < 400; ++i) {

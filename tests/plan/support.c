@@ -216,7 +216,7 @@ test_scene scene_make(uint32_t instance_count, uint32_t mesh_count) {
   test_scene scene = {.instances = calloc(instance_count, sizeof *scene.instances),
                       .boxes = calloc(instance_count, sizeof *scene.boxes),
                       .meshes = calloc(mesh_count, sizeof *scene.meshes),
-                      .memory = malloc(plan_memory_size(instance_count, mesh_count, CSM_MAX_CASCADES))};
+                      .memory = malloc(plan_memory_size(instance_count, mesh_count, PLAN_WINDOWS_MOST))};
   assert_non_null(scene.instances);
   assert_non_null(scene.boxes);
   assert_non_null(scene.meshes);

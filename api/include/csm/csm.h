@@ -461,7 +461,7 @@ typedef struct csm_frame {
   const csm_instance *instances; /* the simple way, without a scene: all of them, each frame; all of one struct_size */
   uint32_t instance_count;
   uint32_t reserved;      /* 0 */
-  csm_draw_function draw; /* engine's device: called for each cascade; may be NULL */
+  csm_draw_function draw; /* engine's device: called for each cascade; may be NULL, and is with map_layout pages */
   void *draw_user;
 } csm_frame;
 
@@ -474,7 +474,8 @@ typedef struct csm_frame {
  * frame; a scene and instances; an instance's flags; csm_camera.reversed; angular_diameter; an origin beyond 1e30),
  * INVALID_MATRIX (view or an instance's transform not affine, or with numbers above 1e30, view or projection
  * singular), INVALID_CAMERA, INVALID_LIGHT, INVALID_HANDLE (an instance's mesh; a scene of another context),
- * INVALID_STATE (frame_slots frames are not retired yet), UNSUPPORTED (draw on an own device), OUT_OF_MEMORY,
+ * INVALID_STATE (frame_slots frames are not retired yet), UNSUPPORTED (draw on an own device, or
+ * with map_layout pages), OUT_OF_MEMORY,
  * OUT_OF_DEVICE_MEMORY, LIMIT_EXCEEDED, DEVICE_LOST, DEVICE.
  * [render-thread]
  */

@@ -345,7 +345,8 @@ static void record(void *self, const technique_run *run) {
   image->written = true;
   state->drawn = true;
   count_casters(state, run);
-  count_pages(state, run);
+  if (!run->plan->unshadowed)
+    count_pages(state, run);
 }
 
 /* ---- what came of it ---- */

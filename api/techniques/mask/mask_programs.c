@@ -67,7 +67,7 @@ static mask_key key_of(const csm_config *config, bool normals, uint32_t show) {
                     .moments = !moments                    ? 0
                                : config->moment_levels > 1 ? 2
                                                            : 1,
-                    .repeats = config->map_layout == CSM_LAYOUT_PAGES,
+                    .repeats = plan_has_pages(config),
                     .format = mask_format(config, show)};
 }
 
