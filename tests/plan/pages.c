@@ -167,6 +167,8 @@ static void one_frame(walker *w, int frame) {
   plan_frame made;
   const plan_scene scene = instances_scene(&w->world.store, &w->world.meshes);
   config.caster_set = (uint32_t)frame / 20 % 2;
+  if (random_below(random, 8) == 0) /* its end lies before the near plane */
+    config.shadow_distance = 0.05;
   camera_matrices(&w->camera, view, projection);
   const plan_frame_info info = {.config = &config,
                                 .view = view,
@@ -202,16 +204,17 @@ static void stretch(world *w, float away) {
 
 static void valid_pages_hold_what_they_would(void **state) {
   (void)state;
+  static const double lights[3][3] = {{0.3, -1.0, 0.2}, {0.301, -1.0, 0.2}, {-1.0, -0.5, 0.4}};
   walker *w = calloc(1, sizeof *w);
   world_begin(&w->world, 11);
   w->camera = plain_camera();
-  w->light[0] = 0.3, w->light[1] = -1.0, w->light[2] = 0.2;
+  memcpy(w->light, lights[0], sizeof w->light);
   for (int frame = 0; frame < frames; ++frame) {
     random_state *random = &w->world.random;
     for (uint32_t n = frame < 5 ? 3 : random_below(random, 3) / 2; n; --n)
       world_change(&w->world);
-    if (frame % 50 == 49)
-      random_unit(random, w->light);
+    if (random_below(random, 12) == 0) /* there and back, too */
+      memcpy(w->light, lights[random_below(random, 3)], sizeof w->light);
     if (frame % 40 == 39) /* the scene's range along the light grows, or shrinks */
       stretch(&w->world, frame % 80 == 39 ? 400.0f : 0.0f);
     walk(&w->camera, random, frame);
