@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { frames = 300, cascades = 3, resolution = 256, page_texels = resolution / PLAN_CELLS };
+enum { frames = 400, cascades = 3, resolution = 256, page_texels = resolution / PLAN_CELLS };
 
 /* ---- what would lie in the maps ---- */
 
@@ -167,7 +167,7 @@ static void one_frame(walker *w, int frame) {
   plan_frame made;
   const plan_scene scene = instances_scene(&w->world.store, &w->world.meshes);
   config.caster_set = (uint32_t)frame / 20 % 2;
-  if (random_below(random, 8) == 0) /* its end lies before the near plane */
+  if (random_below(random, 5) == 0) /* its end lies before the near plane */
     config.shadow_distance = 0.05;
   camera_matrices(&w->camera, view, projection);
   const plan_frame_info info = {.config = &config,
@@ -183,7 +183,7 @@ static void one_frame(walker *w, int frame) {
     memset(&w->maps, 0, sizeof w->maps);
   if (plan_traced(&made, &info, w->world.memory[0], &error))
     fail_msg("%s", error);
-  if (random_below(random, 6) == 0 && info.maps_kept)
+  if (random_below(random, 4) == 0 && info.maps_kept)
     return;
   clear(&w->maps, &made);
   lay_boxes(w->boxes, &made, &scene);
@@ -213,7 +213,7 @@ static void valid_pages_hold_what_they_would(void **state) {
     random_state *random = &w->world.random;
     for (uint32_t n = frame < 5 ? 3 : random_below(random, 3) / 2; n; --n)
       world_change(&w->world);
-    if (random_below(random, 12) == 0) /* there and back, too */
+    if (random_below(random, 7) == 0) /* there and back, too */
       memcpy(w->light, lights[random_below(random, 3)], sizeof w->light);
     if (frame % 40 == 39) /* the scene's range along the light grows, or shrinks */
       stretch(&w->world, frame % 80 == 39 ? 400.0f : 0.0f);
