@@ -1,13 +1,13 @@
 /* defines.c: what fixes shaders/include/csm_sample.inc to a configuration. */
 #include "plan/internal.h"
 
-bool plan_maps_alike(const csm_config *config) {
-  if (config->map_layout != CSM_LAYOUT_ARRAY)
-    return false;
+uint32_t plan_maps_alike(const csm_config *config) {
+  if (config->map_layout == CSM_LAYOUT_ATLAS)
+    return 0;
   for (uint32_t i = 1; i < config->cascade_count; ++i)
     if (plan_resolution(config, i) != plan_resolution(config, 0))
-      return false;
-  return true;
+      return 0;
+  return plan_has_pages(config) ? 2 : 1;
 }
 
 bool plan_bias_in_texels(const csm_config *config) {

@@ -339,7 +339,9 @@ void plan_fit_place(plan_cascade *cascade, const plan_fit *fit, const plan_area 
   const double unmoved = stepped ? depth_steps(fit, area, 0.0, config) * fit->step : area->depth[1] - area->depth[0];
   const double least = plan_rounding_shift(&area->rounding, unmoved);
   /* Pages are kept while it stays */
-  const double shift = plan_has_pages(config) && least > 0.0 ? exp2(ceil(log2(least))) : least;
+  const double shift = plan_has_pages(config) && least > 0.0
+                           ? exp2(ceil(log2(least) * PLAN_STEPS_PER_OCTAVE) / PLAN_STEPS_PER_OCTAVE)
+                           : least;
   double range = unmoved + shift;
   origin[2] = (area->depth[0] - shift) / range;
   if (stepped) {

@@ -459,8 +459,8 @@ double plan_history_phase(uint32_t frame);
 /* Puts it into the block of plan_write_constants. */
 void plan_write_phase(float *out, double phase, const csm_config *config);
 
-/* Whether all maps are layers of one image and of one size. */
-bool plan_maps_alike(const csm_config *config);
+/* CSM_MAPS_ALIKE: whether all maps are layers of one image and of one size, and whether they are made of pages. */
+uint32_t plan_maps_alike(const csm_config *config);
 /* Whether the bias is in texels alone, but for a constant share of the depth range. */
 bool plan_bias_in_texels(const csm_config *config);
 /* The text of csm_shader_defines: returns its bytes, the final 0 included, and writes no more than `size` of them. */

@@ -62,6 +62,8 @@ void bench_table_floors(bench_table *out, const csm_config *config) {
   out->base.config.filter_early_out = 0;
   add_filter(out, "pcf_3x3", CSM_FILTER_PCF_3X3);
   out->rows[0].most_floors = 3.5;
+  add_filter(out, "pcf_3x3, pages", CSM_FILTER_PCF_3X3);
+  out->rows[1].config.map_layout = CSM_LAYOUT_PAGES;
 }
 
 void bench_table_filters(bench_table *out, const csm_config *config) {

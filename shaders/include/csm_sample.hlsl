@@ -36,7 +36,7 @@
 //   CSM_FILTER          CSM_FILTER_*                 CSM_BIAS_MODE      CSM_BIAS_*
 //   CSM_FILTER_TAPS     taps, or points              CSM_BIAS_UNITS     0: no bias but in texels, and a constant range
 //   CSM_FILTER_WEIGHTS  CSM_WEIGHTS_*                CSM_NORMAL_OFFSET_ON    0: there is none
-//   CSM_EARLY_OUT       0 or 1                       CSM_MAPS_ALIKE     1: an array of maps of one size
+//   CSM_EARLY_OUT       0 or 1                       CSM_MAPS_ALIKE     1: an array of maps of one size, 2: of pages
 //   CSM_SELECTION       CSM_SELECT_*                 CSM_MAPS_REVERSED  0 or 1
 //   CSM_OUT_OF_RANGE    CSM_OUT_OF_RANGE_*           CSM_CASCADES       at most so many cascades
 //   CSM_BLENDING        CSM_BLEND_*                 CSM_NORMAL_OFFSET_MODE  CSM_NORMAL_OFFSET_*

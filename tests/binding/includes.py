@@ -191,7 +191,7 @@ for way, (source, defines, reads, texel_reads) in ways.items():
         cases[f"{way}, filter {kind}"] = source, "frag", fixed, texel_reads if nearest else reads, nearest
 # Each define fixed to each of its values, and all of them; what is fixed away is not read.
 axes = {"CSM_BIAS_MODE": 2, "CSM_BIAS_UNITS": 2, "CSM_NORMAL_OFFSET_ON": 2, "CSM_NORMAL_OFFSET_MODE": 3, "CSM_SELECTION": 3, "CSM_OUT_OF_RANGE": 3,
-        "CSM_BLENDING": 3, "CSM_MAPS_ALIKE": 2, "CSM_MAPS_REVERSED": 2, "CSM_FILTER_WEIGHTS": 3, "CSM_EARLY_OUT": 2}
+        "CSM_BLENDING": 3, "CSM_MAPS_ALIKE": 3, "CSM_MAPS_REVERSED": 2, "CSM_FILTER_WEIGHTS": 3, "CSM_EARLY_OUT": 2}
 for language, source, reads in (("HLSL", hlsl, {LOAD}), ("GLSL", glsl, {GATHER_LIT, LIT})):
     for value in range(3):  # of all of them at once
         fixed = {name: str(value % many) for name, many in axes.items()}

@@ -58,6 +58,8 @@ static void what_is_seldom_asked_for_is_fixed_away(void **state) {
   config = base;
   config.map_layout = CSM_LAYOUT_ATLAS;
   expect(&config, "#define CSM_MAPS_ALIKE 0\n");
+  config.map_layout = CSM_LAYOUT_PAGES;
+  expect(&config, "#define CSM_MAPS_ALIKE 2\n");
   config = base;
   config.resolutions[2] = base.resolution / 2;
   expect(&config, "#define CSM_MAPS_ALIKE 0\n");

@@ -4,7 +4,7 @@
 #include "shader_code.h"
 
 /* Values of the axes of mask.ps.hlsl in variants.toml, beside those of csm_config. */
-enum { BIAS_AS_CONFIGURED = -1, PLAIN = 0, GENERAL = 1, PLAIN_CASCADES = 4 };
+enum { BIAS_AS_CONFIGURED = -1, PLAIN = 0, GENERAL = 1, PAGES = 2, PLAIN_CASCADES = 4 };
 
 /* What a program is made for. */
 typedef struct mask_key {
@@ -26,7 +26,9 @@ static uint64_t variant_of(const csm_config *config, bool normals) {
   const bool early = config->filter_early_out;
   const int32_t bias = plan_has_moments(config) ? CSM_BIAS_RECEIVER_PLANE : (int32_t)config->bias_mode;
   return shader_key_mask((int32_t)config->filter, early ? BIAS_AS_CONFIGURED : bias, early, normals,
-                         is_plain(config) ? PLAIN : GENERAL);
+                         !is_plain(config)        ? GENERAL
+                         : plan_has_pages(config) ? PAGES
+                                                  : PLAIN);
 }
 
 static csm_result make(gpu gpu, const void *about, gpu_program **out) {
