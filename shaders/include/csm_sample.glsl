@@ -70,14 +70,8 @@
 #define CSM_DEPTHS csm_depths
 #endif
 #ifndef CSM_TEXEL_LIT
-// Maps of pages go on at their other side.
-ivec2 csm_texel_at(vec2 texel)
-{
-    vec2 size = CSM_CONSTANT(CSM_C_PARAMS).zw;
-    return ivec2(fract((texel + 0.5) * size) / size);
-}
 #define CSM_TEXEL_LIT(texel, layer, reference)                                                                         \
-    float((reference) * CSM_SIDE <= texelFetch(CSM_DEPTHS, ivec3(csm_texel_at(texel), int(layer)), 0).x * CSM_SIDE)
+    float((reference) * CSM_SIDE <= texelFetch(CSM_DEPTHS, ivec3(ivec2(csm_texel_at(texel)), int(layer)), 0).x * CSM_SIDE)
 #define CSM_DEPTHS_4(texel, layer) textureGather(CSM_DEPTHS, vec3(((texel) + 1.0) * CSM_CONSTANT(CSM_C_PARAMS).zw, layer)).wzxy
 #endif
 #else

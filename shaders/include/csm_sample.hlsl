@@ -71,13 +71,7 @@
 #endif
 #endif
 #ifndef CSM_TEXEL_LIT
-// Maps of pages go on at their other side.
-int2 csm_texel_at(float2 texel)
-{
-    float2 size = CSM_CONSTANT(CSM_C_PARAMS).zw;
-    return int2(frac((texel + 0.5) * size) / size);
-}
-#define CSM_DEPTH(texel, layer) CSM_MAPS.Load(int4(csm_texel_at(texel), int(layer), 0))
+#define CSM_DEPTH(texel, layer) CSM_MAPS.Load(int4(int2(csm_texel_at(texel)), int(layer), 0))
 #define CSM_TEXEL_LIT(texel, layer, reference) float((reference) * CSM_SIDE <= CSM_DEPTH(texel, layer) * CSM_SIDE)
 #ifdef CSM_POINT
 // Of four components, so that the compiler's place for them begins at a register's first: vkd3d 1.2 misreads
