@@ -1,11 +1,12 @@
 // What the mask's pixel shaders share: a pixel's place in light space, and how its surface lies there.
-#if MASK_GENERAL != 1
-#define CSM_CASCADES 4
-#if MASK_GENERAL == 2
-#define CSM_MAPS_ALIKE 2
-#else
+#if MASK_GENERAL == 0
 #define CSM_MAPS_ALIKE 1
 #endif
+#if MASK_GENERAL == 2
+#define CSM_MAPS_ALIKE 2
+#endif
+#if MASK_GENERAL == 0 || MASK_GENERAL == 2
+#define CSM_CASCADES 4
 #define CSM_MAPS_REVERSED 0
 #define CSM_SELECTION CSM_SELECT_MAP
 #define CSM_BLENDING CSM_BLEND_OFF
