@@ -20,7 +20,7 @@ struct bare_mask {
   VkDevice device; /* of it */
   vulkan_image depth, maps, mask;
   vulkan_buffer upload, blocks, read_back;
-  VkSampler samplers[2]; /* point; comparing, linear */
+  VkSampler samplers[2]; /* point, of the depth and of the maps; comparing, linear */
   VkDescriptorSetLayout set_layout;
   VkDescriptorPool descriptors;
   VkDescriptorSet set;
@@ -67,7 +67,7 @@ static VkResult make_sampler(bare_mask *m, VkSampler *out, bool compares) {
   return vkCreateSampler(m->device, &info, NULL, out);
 }
 
-enum { binding_count = 6, stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT };
+enum { binding_count = 7, stages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT };
 
 static const VkDescriptorSetLayoutBinding bindings[binding_count] = {
     {0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, stages, NULL},
@@ -75,7 +75,8 @@ static const VkDescriptorSetLayoutBinding bindings[binding_count] = {
     {first_texture, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL},
     {first_texture + 1, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL},
     {first_sampler, VK_DESCRIPTOR_TYPE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL},
-    {first_sampler + 1, VK_DESCRIPTOR_TYPE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL}};
+    {first_sampler + 1, VK_DESCRIPTOR_TYPE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL},
+    {first_sampler + 2, VK_DESCRIPTOR_TYPE_SAMPLER, 1, VK_SHADER_STAGE_FRAGMENT_BIT, NULL}};
 
 static VkResult make_set(bare_mask *m) {
   const VkDescriptorSetLayoutCreateInfo layout = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
@@ -85,7 +86,7 @@ static VkResult make_set(bare_mask *m) {
   if (result)
     return result;
   const VkDescriptorPoolSize sizes[] = {
-      {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 2}, {VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, 2}, {VK_DESCRIPTOR_TYPE_SAMPLER, 2}};
+      {VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 2}, {VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, 2}, {VK_DESCRIPTOR_TYPE_SAMPLER, 3}};
   const VkDescriptorPoolCreateInfo pool = {
       .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 1, .poolSizeCount = 3, .pPoolSizes = sizes};
   result = vkCreateDescriptorPool(m->device, &pool, NULL, &m->descriptors);
@@ -103,6 +104,7 @@ static void write_set(bare_mask *m) {
                                            {m->blocks.buffer, camera_offset, CSM_M_COUNT * 16}};
   const VkDescriptorImageInfo images[] = {{VK_NULL_HANDLE, m->maps.view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL},
                                           {VK_NULL_HANDLE, m->depth.view, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL},
+                                          {m->samplers[0], VK_NULL_HANDLE, VK_IMAGE_LAYOUT_UNDEFINED},
                                           {m->samplers[0], VK_NULL_HANDLE, VK_IMAGE_LAYOUT_UNDEFINED},
                                           {m->samplers[1], VK_NULL_HANDLE, VK_IMAGE_LAYOUT_UNDEFINED}};
   VkWriteDescriptorSet writes[binding_count];

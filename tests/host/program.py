@@ -208,6 +208,17 @@ def in_order(estimate):
     return 0 < estimate["low"] <= estimate["median"] <= estimate["high"]
 
 
+def check_bench_pages(folder, scene):
+    sides = bench_part("pages", folder, scene)
+    expect(sorted(side["backend"] for side in sides) == sorted(backends), f"bench --only pages: {sides}")
+    for side in sides:
+        still, cold = side["nothing moves"], side["all changes"]
+        expect(still["pages"] == 0 and still["triangles"] == 0, f"bench --only pages: a still frame draws: {still}")
+        expect(0 < cold["pages"] <= cold["valid"] and cold["triangles"] > 0, f"bench --only pages: all changed: {cold}")
+        expect(all(in_order(case["pages/whole"]) for case in side.values() if isinstance(case, dict)),
+               f"bench --only pages: {side}")
+
+
 def check_bench_rays(folder, scene):
     rays = bench_part("rays", folder, scene)
     costs = rays["costs"]
@@ -399,6 +410,7 @@ with tempfile.TemporaryDirectory() as scratch:
     check_hard(folder)
     check_bench(folder, folder / "scene.gltf")
     check_bench_rays(folder, folder / "scene.gltf")
+    check_bench_pages(folder, folder / "scene.gltf")
     check_lacks(folder, folder / "scene.gltf")
     check_written(folder, folder / "scene.gltf")
 print(f"{checks} checks")

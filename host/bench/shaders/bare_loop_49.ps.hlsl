@@ -4,7 +4,7 @@
 #define CSM_EARLY_OUT 0
 #define MASK_GENERAL 0
 #define MASK_NORMALS 0
-SamplerComparisonState csm_comparison : register(s1);
+SamplerComparisonState csm_comparison : register(s2);
 #define CSM_COMPARE(uv, layer, reference) csm_maps.SampleCmpLevelZero(csm_comparison, float3(uv, layer), reference)
 #define CSM_FILTER_BODY(spot)                                                                                          \
     float lit = 0.0, reference = csm_reference(spot.depth);                                                              \
