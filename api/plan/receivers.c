@@ -228,12 +228,16 @@ static bool within(const plan_area *area, const double low[2], const double high
          high[1] + room <= area->max[1];
 }
 
+static void cell_box(double low[2], double high[2], const plan_cells *cells, const uint32_t at[2]) {
+  for (int axis = 0; axis < 2; ++axis) {
+    low[axis] = cells->begin[axis] + at[axis] * cells->size[axis];
+    high[axis] = low[axis] + cells->size[axis];
+  }
+}
+
 static void note_cell(reader *out, const reading *of, const plan_hull *hull, uint32_t finer, const uint32_t at[2]) {
   double low[2], high[2];
-  for (int axis = 0; axis < 2; ++axis) {
-    low[axis] = out->cells->begin[axis] + at[axis] * out->cells->size[axis];
-    high[axis] = low[axis] + out->cells->size[axis];
-  }
+  cell_box(low, high, out->cells, at);
   out->seen[at[1]] |= (uint64_t)!plan_outside_hull(hull, low, high) << at[0];
   for (uint32_t i = 0; i < finer; ++i)
     out->finer[i][at[1]] |= (uint64_t)within(&of->areas[i], low, high, out->room + of->borders[i]) << at[0];
@@ -369,8 +373,8 @@ void plan_seen_cells(plan_cells *cells, const plan_frame *frame, const plan_area
       plan_view_hull(&hull, &frame->camera, frame->basis, depths, room);
     for (uint32_t y = 0; y < PLAN_CELLS; ++y)
       for (uint32_t x = 0; x < PLAN_CELLS; ++x) {
-        const double low[2] = {cells[i].begin[0] + x * cells[i].size[0], cells[i].begin[1] + y * cells[i].size[1]};
-        const double high[2] = {low[0] + cells[i].size[0], low[1] + cells[i].size[1]};
+        double low[2], high[2];
+        cell_box(low, high, &cells[i], (uint32_t[]){x, y});
         cells[i].read[y] |= (uint64_t)!plan_outside_hull(&hull, low, high) << x;
       }
   }

@@ -116,6 +116,10 @@ int hard_map_engine(hard_run *run, const hard_inputs *inputs, uint32_t index, cs
   return hard_engine_map(run->engines[inputs->engine_buffers], index, cascade, out);
 }
 
+int hard_called(csm_result result, const char *what) {
+  return result ? host_fail(HOST_NO_DEVICE, "%s: %s", what, csm_result_name(result)) : 0;
+}
+
 int hard_flag(hard_run *run, size_t begin, size_t end, uint32_t flags) {
   const scene *from = &run->setup->scene;
   csm_instance *instances = host_allocate(end - begin, sizeof *instances);

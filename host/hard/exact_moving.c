@@ -38,10 +38,6 @@ static void make_crowd(host_setup *out) {
   out->config.depth_mode = CSM_DEPTH_SLICE; /* ranges that do not follow casters */
 }
 
-static int refuse(csm_result result, const char *what) {
-  return result ? host_fail(HOST_NO_DEVICE, "%s: %s", what, csm_result_name(result)) : 0;
-}
-
 /* ---- what happens to the scene: in the host, and in what is loaded ---- */
 
 /* From one instance on, every so-manieth. */
@@ -68,7 +64,7 @@ static int move(hard_run *run, host_setup *setup, const choice *which, double fa
   }
   free(matrices);
   free(ids);
-  return refuse(result, "moving");
+  return hard_called(result, "moving");
 }
 
 static int move_some(hard_run *run, host_setup *setup) {
@@ -94,7 +90,7 @@ static int change_meshes(hard_run *run, host_setup *setup) {
     for (uint32_t s = 0; !result && s < run->stage_count; s++)
       result = csm_mesh_update(run->stages[s].context, run->stages[s].assets.meshes[index], &info);
   }
-  return refuse(result, "changing meshes");
+  return hard_called(result, "changing meshes");
 }
 
 typedef struct change {

@@ -162,6 +162,8 @@ int hard_draw(hard_run *run, const camera *from, const scene_light *light, uint3
 /* The mask that another camera sees, from the maps that are there. */
 int hard_resolve(hard_run *run, const camera *from, uint32_t wanted, hard_picture *out);
 void hard_picture_free(hard_picture *picture);
+/* What a call of csm's came to: 0, or a code after a message that names it. */
+int hard_called(csm_result result, const char *what);
 /* CSM_INSTANCE_* of the scene's instances from one to before another, on every backend. */
 int hard_flag(hard_run *run, size_t begin, size_t end, uint32_t flags);
 /* Cascades and constants of the last frame. */

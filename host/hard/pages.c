@@ -55,10 +55,6 @@ static const pages_way ways[] = {{"pcf_3x3", CSM_FILTER_PCF_3X3},
                                  {"exact", CSM_FILTER_EXACT}};
 enum { WAYS = sizeof ways / sizeof ways[0] };
 
-static int refuse(csm_result result, const char *what) {
-  return result ? host_fail(HOST_NO_DEVICE, "%s: %s", what, csm_result_name(result)) : 0;
-}
-
 static int place(hard_run *run, size_t instance, int axis, double by) {
   double transform[16];
   csm_result result = CSM_SUCCESS;
@@ -69,7 +65,7 @@ static int place(hard_run *run, size_t instance, int axis, double by) {
         .struct_size = sizeof batch, .count = 1, .ids = &run->stages[s].instances[instance], .matrices = transform};
     result = csm_scene_move(run->stages[s].scene, &batch);
   }
-  return refuse(result, "moving");
+  return hard_called(result, "moving");
 }
 
 /* What differs from the step before. */
@@ -96,7 +92,7 @@ static int count_pages(hard_run *run, uint32_t *drawn, uint32_t *valid) {
   const csm_result result = csm_get_stats(run->stages[0].cascades, &stats);
   *drawn += stats.pages_drawn;
   *valid += stats.pages_valid;
-  return refuse(result, "counting pages");
+  return hard_called(result, "counting pages");
 }
 
 /* All steps; `anew` draws every page in each of them. */
