@@ -44,26 +44,29 @@ static uint32_t blocks_of(uint32_t slots) {
   return slots / PLAN_BLOCK + (slots % PLAN_BLOCK != 0);
 }
 
-size_t plan_cache_size(uint32_t slot_count) {
-  return (size_t)blocks_of(slot_count) * sizeof(plan_light_block) +
-         (size_t)slot_count * (12 * sizeof(double) + 2 * sizeof(plan_span_across));
-}
-
 /* Boxes that there is room for: where each slot was, and is. */
-static uint32_t changes_most(const plan_cache *cache) {
-  return 2 * cache->slots;
+static uint32_t changes_most(uint32_t slots) {
+  return 2 * slots;
 }
 
-static plan_kept find_kept(const plan_cache *cache) {
+size_t plan_cache_size(uint32_t slot_count) {
+  const size_t change = sizeof(plan_span_across) + sizeof(uint8_t);
+  const size_t slot = 12 * sizeof(double) + 2 * sizeof(uint32_t) + sizeof(bool);
+  return (size_t)blocks_of(slot_count) * sizeof(plan_light_block) + (size_t)slot_count * slot +
+         (size_t)changes_most(slot_count) * change;
+}
+
+plan_kept plan_cache_kept(const plan_cache *cache) {
   plan_light_block *blocks = cache->memory;
   if (!blocks) /* a scene that has had no instances */
     return (plan_kept){0};
-  double(*transforms)[12] = (double(*)[12])(void *)(blocks + blocks_of(cache->slots));
-  return (plan_kept){.blocks = blocks, .transforms = transforms, .changed = (void *)(transforms + cache->slots)};
-}
-
-const plan_span_across *plan_cache_changed(const plan_cache *cache) {
-  return find_kept(cache).changed;
+  plan_kept kept = {.blocks = blocks, .transforms = (double(*)[12])(void *)(blocks + blocks_of(cache->slots))};
+  kept.changed = (plan_span_across *)(void *)(kept.transforms + cache->slots);
+  kept.changed_at = (uint32_t *)(void *)(kept.changed + changes_most(cache->slots));
+  kept.movers = kept.changed_at + cache->slots;
+  kept.spoils = (uint8_t *)(kept.movers + cache->slots);
+  kept.moves = (bool *)(kept.spoils + changes_most(cache->slots));
+  return kept;
 }
 
 static void put_transform(const plan_kept *kept, const double basis[9], const plan_scene *scene, uint32_t slot) {
@@ -72,22 +75,72 @@ static void put_transform(const plan_kept *kept, const double basis[9], const pl
     plan_light_transform(kept->transforms[slot], basis, instance, &scene->meshes[instance->mesh]);
 }
 
+/* ---- what changes, and what keeps changing ---- */
+
+enum {
+  CLOSE_PLANS = 4, /* what changes in two of so many plans keeps moving */
+  REST_PLANS = 16  /* and is taken for still once it has not for so many */
+};
+
 /* Notes a caster's box among those of what changed. */
-static void note_changed(const plan_kept *kept, plan_cache *cache, uint32_t slot) {
+static void note_changed(const plan_kept *kept, plan_cache *cache, uint32_t slot, uint8_t spoils) {
   const plan_light_block *block = &kept->blocks[slot / PLAN_BLOCK];
   const uint32_t at = slot % PLAN_BLOCK;
-  cache->unknown |= cache->changed == changes_most(cache);
+  cache->unknown |= cache->changed == changes_most(cache->slots);
   if (cache->unknown || !(block->low[0][at] <= block->high[0][at]))
     return;
+  kept->spoils[cache->changed] = spoils;
   kept->changed[cache->changed++] = (plan_span_across){.low = {block->low[0][at], block->low[1][at]},
                                                        .high = {block->high[0][at], block->high[1][at]}};
 }
 
+static uint8_t spoiled_by(const plan_kept *kept, uint32_t slot) {
+  return kept->moves[slot] ? PLAN_SPOILS_PAGES : PLAN_SPOILS_PAGES | PLAN_SPOILS_STILL;
+}
+
+static void note_move(const plan_kept *kept, plan_cache *cache, uint32_t slot) {
+  const uint32_t last = kept->changed_at[slot];
+  kept->changed_at[slot] = cache->plans;
+  if (kept->moves[slot] || last == 0 || last == cache->plans || cache->plans - last > CLOSE_PLANS)
+    return;
+  kept->moves[slot] = true;
+  kept->movers[cache->movers++] = slot;
+}
+
+void plan_cache_forget_changes(plan_cache *cache) {
+  cache->changed = 0;
+  cache->unknown = false;
+}
+
+/* What comes to rest has to be drawn where it was left out. */
+void plan_cache_rest(plan_cache *cache) {
+  const plan_kept kept = plan_cache_kept(cache);
+  uint32_t left = 0;
+  for (uint32_t i = 0; i < cache->movers; ++i) {
+    const uint32_t slot = kept.movers[i];
+    kept.moves[slot] = cache->plans - kept.changed_at[slot] <= REST_PLANS;
+    if (kept.moves[slot])
+      kept.movers[left++] = slot;
+    else
+      note_changed(&kept, cache, slot, PLAN_SPOILS_STILL);
+  }
+  cache->movers = left;
+}
+
 static void put(const plan_kept *kept, plan_cache *cache, const plan_scene *scene, uint32_t slot) {
-  note_changed(kept, cache, slot);
+  note_changed(kept, cache, slot, spoiled_by(kept, slot));
   put_box(&kept->blocks[slot / PLAN_BLOCK], cache->basis, scene, slot);
   put_transform(kept, cache->basis, scene, slot);
-  note_changed(kept, cache, slot);
+  note_move(kept, cache, slot);
+  note_changed(kept, cache, slot, spoiled_by(kept, slot));
+}
+
+/* ---- filling it ---- */
+
+static void forget_movers(const plan_kept *kept, plan_cache *cache) {
+  cache->movers = 0;
+  memset(kept->changed_at, 0, cache->slots * sizeof *kept->changed_at);
+  memset(kept->moves, 0, cache->slots * sizeof *kept->moves);
 }
 
 static void fill(const plan_kept *kept, const plan_cache *cache, const plan_scene *scene) {
@@ -114,10 +167,11 @@ static void refresh(const plan_kept *kept, plan_cache *cache, const plan_scene *
 plan_kept plan_cache_fill(plan_cache *cache, const double basis[9], const plan_scene *scene) {
   if (!cache || !scene->identity || cache->slots < scene->slot_count)
     return (plan_kept){0};
-  const plan_kept kept = find_kept(cache);
-  const bool same =
-      cache->keeps && cache->identity == scene->identity && memcmp(cache->basis, basis, sizeof cache->basis) == 0;
-  if (same) {
+  const plan_kept kept = plan_cache_kept(cache);
+  const bool same_scene = cache->keeps && cache->identity == scene->identity;
+  if (!same_scene && kept.blocks)
+    forget_movers(&kept, cache);
+  if (same_scene && memcmp(cache->basis, basis, sizeof cache->basis) == 0) {
     refresh(&kept, cache, scene);
   } else {
     memcpy(cache->basis, basis, sizeof cache->basis);

@@ -118,7 +118,7 @@ static void cull_block(plan_lists *lists, const plan_light_cull *cull, const pla
     const plan_instance *instance = &scene->instances[first + i];
     if (other_layers(instance, cull->layers) || outside_hull(cull->hull, block, i))
       continue;
-    lists->masks[first + i] = (uint32_t)meets[i];
+    lists->masks[first + i] = (uint64_t)meets[i];
     note(cull, (uint32_t)meets[i], block->low[2][i]);
     if (may_be_off)
       note_rounding(cull, scene, instance, (uint32_t)meets[i], block->high[2][i]);
@@ -147,12 +147,12 @@ plan_kept plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const 
 }
 
 /* Of the lists that hold a caster, those in whose maps it lies over no cell that is read. */
-static uint32_t unread(const plan_cells *cells, const plan_light_block *block, uint32_t at, uint32_t mask) {
+static uint64_t unread(const plan_cells *cells, const plan_light_block *block, uint32_t at, uint64_t mask) {
   const double low[2] = {block->low[0][at], block->low[1][at]}, high[2] = {block->high[0][at], block->high[1][at]};
-  uint32_t unread = 0;
-  for (uint32_t rest = mask; rest; rest &= rest - 1) {
-    const uint32_t list = (uint32_t)__builtin_ctz(rest);
-    unread |= (uint32_t)!plan_cells_meet(&cells[list], low, high) << list;
+  uint64_t unread = 0;
+  for (uint64_t rest = mask; rest; rest &= rest - 1) {
+    const uint32_t list = (uint32_t)__builtin_ctzll(rest);
+    unread |= (uint64_t)!plan_cells_meet(&cells[list], low, high) << list;
   }
   return unread;
 }

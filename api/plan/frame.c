@@ -196,9 +196,9 @@ static void place_windows(plan_frame *frame) {
 
 /* Into how many maps each instance is drawn; windows of one map may share some. */
 static void count_casters(plan_frame *frame, const plan_lists *lists) {
-  uint32_t windows[CSM_MAX_CASCADES] = {0};
+  uint64_t windows[CSM_MAX_CASCADES] = {0};
   for (uint32_t i = 0; i < frame->window_count; ++i)
-    windows[frame->windows[i].cascade] |= 1u << i;
+    windows[frame->windows[i].cascade] |= (uint64_t)1 << i;
   for (uint32_t slot = 0; slot < frame->slot_count; ++slot)
     for (uint32_t i = 0; lists->masks[slot] && i < frame->cascade_count; ++i)
       frame->cascades[i].casters += (lists->masks[slot] & windows[i]) != 0;
@@ -237,8 +237,12 @@ csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *m
 void plan_frame_rest(plan_frame *frame) {
   frame->window_count = 0;
   for (uint32_t i = 0; i < frame->cascade_count; ++i) {
-    memset(frame->cascades[i].due, 0, sizeof frame->cascades[i].due);
-    frame->cascades[i].casters = 0;
+    plan_cascade *of = &frame->cascades[i];
+    memset(of->due, 0, sizeof of->due);
+    memset(of->saved, 0, sizeof of->saved);
+    memset(of->still_due, 0, sizeof of->still_due);
+    memset(of->copied, 0, sizeof of->copied);
+    of->casters = 0;
   }
 }
 

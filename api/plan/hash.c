@@ -59,6 +59,8 @@ uint64_t plan_hash(const plan_frame *frame, const csm_config *config, const plan
   for (uint32_t i = 0; i < frame->cascade_count; ++i) {
     hash = add(hash, &frame->cascades[i].info, sizeof frame->cascades[i].info);
     hash = add(hash, frame->cascades[i].due, sizeof frame->cascades[i].due);
+    hash = add(hash, frame->cascades[i].copied, sizeof frame->cascades[i].copied);
+    hash = add(hash, frame->cascades[i].saved, sizeof frame->cascades[i].saved);
   }
   for (uint32_t i = 0; i < frame->window_count; ++i) {
     hash = add(hash, frame->windows[i].slots, sizeof frame->windows[i].slots);

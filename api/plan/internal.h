@@ -299,15 +299,26 @@ typedef struct plan_span_across {
   double low[2], high[2];
 } plan_span_across;
 
+/* What a change spoils: pages that it touches, and what is kept of them without what keeps moving. */
+enum { PLAN_SPOILS_PAGES = 1, PLAN_SPOILS_STILL = 2 };
+
 /* What a cache keeps for a light. */
 typedef struct plan_kept {
   plan_light_block *blocks;  /* of casters; NULL: nothing is kept */
   double (*transforms)[12];  /* of casters, by slot: stored positions to light space, three rows of four */
   plan_span_across *changed; /* as many as the cache says */
+  uint8_t *spoils;           /* PLAN_SPOILS_*, of each of them */
+  uint32_t *changed_at;      /* by slot: the plan in which it changed last; 0: in none */
+  uint32_t *movers;          /* slots of what keeps moving, as many as the cache says */
+  bool *moves;               /* by slot: whether it does */
 } plan_kept;
 
-/* Boxes of what changed: see plan_cache. Precondition: it keeps something. */
-const plan_span_across *plan_cache_changed(const plan_cache *cache);
+/* What the cache has, as it is. Precondition: it keeps something. */
+plan_kept plan_cache_kept(const plan_cache *cache);
+/* Forgets what changed before. */
+void plan_cache_forget_changes(plan_cache *cache);
+/* Takes from those that keep moving what has not moved for long. */
+void plan_cache_rest(plan_cache *cache);
 /* What the cache has for this light, after bringing it up to date. */
 plan_kept plan_cache_fill(plan_cache *cache, const double basis[9], const plan_scene *scene);
 /* The boxes of the slots from `first` on. */
@@ -320,11 +331,11 @@ typedef struct plan_lists {
   bool sides;     /* mirrored instances are drawn apart */
   uint32_t among; /* instances that might be drawn */
   void *memory;
-  uint32_t *masks;  /* by slot, a whole number of blocks: bit i is set if list i holds it */
+  uint64_t *masks;  /* by slot, a whole number of blocks: bit i is set if list i holds it */
   uint8_t *drawn;   /* by slot: room for plan_frame.drawn */
   bool room;        /* plan_lists_room was called: parts may be drawn */
   uint32_t *counts; /* [plan_list_key * count + list]: instances of that key in the list */
-  uint32_t *partly; /* by slot, of those that masks names: bit i is set if list i draws it in parts */
+  uint64_t *partly; /* by slot, of those that masks names: bit i is set if list i draws it in parts */
   /* by list: draws of parts, by slot and by index; `first` counts the slots that are drawn so */
   plan_draw *part_draws[PLAN_WINDOWS_MOST];
   uint32_t part_counts[PLAN_WINDOWS_MOST];
@@ -389,6 +400,18 @@ void plan_read_cells(plan_cells *cells, const plan_frame *frame, const plan_area
 void plan_seen_cells(plan_cells *cells, const plan_frame *frame, const plan_area *areas, const csm_config *config);
 
 /* ---- pages ---- */
+/* The row, from the top, of the slots of cells y up from a map's begin. */
+uint32_t plan_slot_row(const plan_pages *pages, uint32_t y);
+/* A map's windows, a bit each. */
+typedef struct plan_windows {
+  uint64_t of[PLAN_WINDOW_KINDS];
+} plan_windows;
+/*
+ * Adds a map's windows, over the cells that are due for each kind, and the cells of each window, which lie where those of
+ * window 0 do from `cells` on. False: there is no room for so many, and nothing is added.
+ */
+bool plan_windows_make(plan_windows *out, plan_frame *frame, plan_cells *cells, uint32_t cascade, const plan_fit *fit,
+                       const plan_cells due[PLAN_WINDOW_KINDS]);
 /* Before a plan: forgets changes that the pages of the frame before know of. */
 void plan_pages_begin(const plan_frame_info *info);
 /* The depths of maps that are made of pages: those of the scene, which stay. */

@@ -27,8 +27,8 @@ static memory_layout lay_out(uint32_t slot_count, uint32_t mesh_count, uint32_t 
   const uint32_t part_draws = slot_count ? PLAN_MOST_PART_DRAWS : 0;
   memory_layout layout = {.whole_draws = whole_draws};
   size_t at = 0;
-  layout.masks = take(&at, mask_count(slot_count), sizeof(uint32_t));
-  layout.partly = take(&at, mask_count(slot_count), sizeof(uint32_t));
+  layout.masks = take(&at, mask_count(slot_count), sizeof(uint64_t));
+  layout.partly = take(&at, mask_count(slot_count), sizeof(uint64_t));
   layout.drawn = take(&at, slot_count, sizeof(uint8_t));
   layout.counts = take(&at, (size_t)keys * list_count, sizeof(uint32_t));
   layout.draws = take(&at, (size_t)whole_draws + part_draws, sizeof(plan_draw));
@@ -48,8 +48,8 @@ void plan_lists_begin(plan_lists *lists, const plan_scene *scene, void *memory) 
   lists->memory = memory;
   if (scene->slot_count == 0)
     return;
-  lists->masks = (uint32_t *)(base + layout.masks);
-  lists->partly = (uint32_t *)(base + layout.partly);
+  lists->masks = (uint64_t *)(base + layout.masks);
+  lists->partly = (uint64_t *)(base + layout.partly);
   lists->drawn = (uint8_t *)(base + layout.drawn);
   memset(lists->masks, 0, mask_count(scene->slot_count) * sizeof *lists->masks);
   memset(lists->partly, 0, mask_count(scene->slot_count) * sizeof *lists->partly);
@@ -90,21 +90,21 @@ static uint32_t *counts_of(const plan_lists *lists, const plan_scene *scene, uin
 }
 
 /* The lists that draw all of a slot's mesh. */
-static uint32_t whole_in(const plan_lists *lists, uint32_t slot) {
+static uint64_t whole_in(const plan_lists *lists, uint32_t slot) {
   return lists->masks[slot] & ~lists->partly[slot];
 }
 
 static void count_slots(const plan_lists *lists, const plan_scene *scene) {
   for (uint32_t slot = 0; slot < scene->slot_count; ++slot)
-    for (uint32_t mask = whole_in(lists, slot); mask; mask &= mask - 1)
-      ++counts_of(lists, scene, slot)[__builtin_ctz(mask)];
+    for (uint64_t mask = whole_in(lists, slot); mask; mask &= mask - 1)
+      ++counts_of(lists, scene, slot)[__builtin_ctzll(mask)];
 }
 
 /* Puts each slot into every list that draws all of it. */
 static void place_slots(const plan_lists *lists, const plan_scene *scene) {
   for (uint32_t slot = 0; slot < scene->slot_count; ++slot)
-    for (uint32_t mask = whole_in(lists, slot); mask; mask &= mask - 1) {
-      const uint32_t list = (uint32_t)__builtin_ctz(mask);
+    for (uint64_t mask = whole_in(lists, slot); mask; mask &= mask - 1) {
+      const uint32_t list = (uint32_t)__builtin_ctzll(mask);
       lists->lists[list]->instances[counts_of(lists, scene, slot)[list]++] = slot;
     }
 }

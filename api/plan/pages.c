@@ -3,10 +3,7 @@
 
 #include <string.h>
 
-enum {
-  LAST = PLAN_CELLS - 1,
-  WORTH_A_CUT = 32 /* cells: on a CPU, filling so many takes about as long as another window's draws */
-};
+enum { LAST = PLAN_CELLS - 1 };
 
 /* ---- along the light ---- */
 
@@ -40,18 +37,18 @@ void plan_pages_depth(plan_scene_box *box, plan_frame *frame, const plan_fit *fi
 /* ---- cells and slots ---- */
 
 /* Cells count from the map's begin, right and up; slots are the places in its layer that their pages lie in. */
+uint32_t plan_slot_row(const plan_pages *pages, uint32_t y) {
+  return LAST - (uint32_t)((pages->first[1] + y) & LAST);
+}
+
 static uint64_t turned(uint64_t row, int64_t by) {
   const unsigned places = (unsigned)(by & LAST);
   return places ? row << places | row >> (PLAN_CELLS - places) : row;
 }
 
-static uint32_t slot_row(const plan_pages *pages, uint32_t y) {
-  return LAST - (uint32_t)((pages->first[1] + y) & LAST);
-}
-
 static void to_slots(uint64_t slots[PLAN_CELLS], const uint64_t cells[PLAN_CELLS], const plan_pages *pages) {
   for (uint32_t y = 0; y < PLAN_CELLS; ++y)
-    slots[slot_row(pages, y)] = turned(cells[y], pages->first[0]);
+    slots[plan_slot_row(pages, y)] = turned(cells[y], pages->first[0]);
 }
 
 /* The cells of a map that another one held too, of so many from one's begin to the other's. */
@@ -61,11 +58,12 @@ static uint64_t shared(int64_t away) {
   return away < 0 ? UINT64_MAX << -away : UINT64_MAX >> away;
 }
 
-/* The cells whose pages are there still. */
-static void keep_cells(uint64_t valid[PLAN_CELLS], const plan_pages *before, const plan_pages *now) {
+/* The cells of the slots that are marked, of those whose pages are there still. */
+static void keep_cells(uint64_t cells[PLAN_CELLS], const uint64_t slots[PLAN_CELLS], const plan_pages *before,
+                       const plan_pages *now) {
   const uint64_t columns = shared(now->first[0] - before->first[0]), rows = shared(now->first[1] - before->first[1]);
   for (uint32_t y = 0; y < PLAN_CELLS; ++y)
-    valid[y] = rows >> y & 1 ? turned(before->valid[slot_row(now, y)], -now->first[0]) & columns : 0;
+    cells[y] = rows >> y & 1 ? turned(slots[plan_slot_row(now, y)], -now->first[0]) & columns : 0;
 }
 
 /* ---- what is kept ---- */
@@ -95,206 +93,184 @@ static bool knows_changes(const plan_frame *frame, const plan_frame_info *info) 
 
 void plan_pages_begin(const plan_frame_info *info) {
   plan_cache *cache = info->cache;
-  if (!cache || !info->before || cache->identity != info->before->pages_identity ||
-      cache->revision != info->before->pages_revision)
+  const plan_history *before = info->before;
+  if (!cache)
     return;
-  cache->changed = 0;
-  cache->unknown = false;
+  if (before && cache->identity == before->pages_identity && cache->revision == before->pages_revision &&
+      cache->plans == before->pages_plan)
+    plan_cache_forget_changes(cache);
+  ++cache->plans;
+  plan_cache_rest(cache);
 }
 
-/* Over which cells something changed; a texel's centre may be covered from beside it. */
-static void spoil(uint64_t valid[PLAN_CELLS], const plan_cells *cells, const plan_frame_info *info, double texel) {
-  plan_cells changed = {.begin = {cells->begin[0], cells->begin[1]}, .size = {cells->size[0], cells->size[1]}};
-  const plan_span_across *boxes = plan_cache_changed(info->cache);
+/* Cells of a map, a bit each. */
+typedef struct cell_set {
+  uint64_t rows[PLAN_CELLS];
+} cell_set;
+
+/* Of a map before anything is drawn: pages that hold what they should; of the second layer, likewise; those that hold what
+   the second layer's should. And where something moves. */
+typedef struct page_state {
+  cell_set valid, still, clean, moving;
+} page_state;
+
+/* Notes a box's cells; a texel's centre may be covered from beside it. */
+static void add_box(plan_cells *cells, const double low[2], const double high[2], double texel) {
+  plan_cells_add(cells, (double[]){low[0] - texel, low[1] - texel}, (double[]){high[0] + texel, high[1] + texel});
+}
+
+/* Takes out what changed. */
+static void spoil(page_state *state, const plan_cells *like, const plan_frame_info *info, double texel) {
+  const plan_kept kept = plan_cache_kept(info->cache);
+  plan_cells changed[2] = {{.begin = {like->begin[0], like->begin[1]}, .size = {like->size[0], like->size[1]}}};
+  changed[1] = changed[0];
   for (uint32_t i = 0; i < info->cache->changed; ++i)
-    plan_cells_add(&changed, (double[]){boxes[i].low[0] - texel, boxes[i].low[1] - texel},
-                   (double[]){boxes[i].high[0] + texel, boxes[i].high[1] + texel});
-  for (uint32_t y = 0; y < PLAN_CELLS; ++y)
-    valid[y] &= ~changed.read[y];
-}
-
-/* ---- windows ---- */
-
-/* The columns, or rows, of cells that lie in the first of two squares of the world, or in the second. */
-static uint64_t half(int64_t first, int which) {
-  const unsigned in_first = (unsigned)(PLAN_CELLS - (first & LAST));
-  const uint64_t low = UINT64_MAX >> (PLAN_CELLS - in_first);
-  return which ? ~low : low;
-}
-
-/* From light space to the clip space of the square in which a cell's page lies. */
-static void place_window(plan_window *window, const plan_cascade *cascade, const plan_fit *fit,
-                         const int64_t square[2]) {
-  memcpy(window->to_clip, cascade->to_clip, sizeof window->to_clip);
-  for (int axis = 0; axis < 2; ++axis) {
-    const double begin = fit->anchor[axis] / fit->texel[axis] + (double)square[axis] * fit->resolution;
-    window->to_clip[axis * 5] = 2.0 / (fit->texel[axis] * fit->resolution);
-    window->to_clip[axis * 4 + 3] = -2.0 * begin / fit->resolution - 1.0;
-  }
-}
-
-/* Columns and rows of cells, from the first to the last. */
-typedef struct cell_bounds {
-  uint32_t low[2], high[2];
-} cell_bounds;
-
-/* The least rectangle around all cells that are read; false: there are none. */
-static bool bound(cell_bounds *out, const plan_cells *cells) {
-  uint64_t columns = 0;
-  *out = (cell_bounds){.low = {0, PLAN_CELLS}};
+    for (int layer = 0; layer < 2; ++layer)
+      if (kept.spoils[i] & (layer ? PLAN_SPOILS_STILL : PLAN_SPOILS_PAGES))
+        add_box(&changed[layer], kept.changed[i].low, kept.changed[i].high, texel);
   for (uint32_t y = 0; y < PLAN_CELLS; ++y) {
-    columns |= cells->read[y];
-    out->low[1] = cells->read[y] && out->low[1] == PLAN_CELLS ? y : out->low[1];
-    out->high[1] = cells->read[y] ? y : out->high[1];
+    state->valid.rows[y] &= ~changed[0].read[y];
+    state->still.rows[y] &= ~changed[1].read[y];
+    state->clean.rows[y] &= ~changed[1].read[y];
   }
-  if (!columns)
-    return false;
-  out->low[0] = (uint32_t)__builtin_ctzll(columns);
-  out->high[0] = LAST - (uint32_t)__builtin_clzll(columns);
-  return true;
 }
 
-static uint32_t area_of(const plan_cells *cells) {
-  cell_bounds b;
-  return bound(&b, cells) ? (b.high[0] - b.low[0] + 1) * (b.high[1] - b.low[1] + 1) : 0;
+static void find_moving(page_state *state, const plan_cells *like, const plan_cache *cache, double texel) {
+  plan_cells moving = {.begin = {like->begin[0], like->begin[1]}, .size = {like->size[0], like->size[1]}};
+  const plan_kept kept = plan_cache_kept(cache);
+  for (uint32_t i = 0; i < cache->movers; ++i) {
+    const plan_light_block *block = &kept.blocks[kept.movers[i] / PLAN_BLOCK];
+    const uint32_t at = kept.movers[i] % PLAN_BLOCK;
+    if (block->low[0][at] <= block->high[0][at])
+      add_box(&moving, (double[]){block->low[0][at], block->low[1][at]},
+              (double[]){block->high[0][at], block->high[1][at]}, texel);
+  }
+  memcpy(state->moving.rows, moving.read, sizeof moving.read);
 }
 
-/* Those before a column or row, and those from it on. */
-static void cut(plan_cells parts[2], const plan_cells *cells, int axis, uint32_t at) {
-  const uint64_t before = (1ull << at) - 1; /* at > 0 */
-  for (int part = 0; part < 2; ++part) {
-    parts[part] = *cells;
+static page_state find_state(const plan_pages *before, const plan_pages *now, const plan_cells *like,
+                             const plan_frame_info *info) {
+  const double texel = fmax(now->texel[0], now->texel[1]);
+  page_state state = {0};
+  cell_set mixed;
+  if (before && drawn_alike(before, now)) {
+    keep_cells(state.valid.rows, before->valid, before, now);
+    keep_cells(state.still.rows, before->still, before, now);
+    keep_cells(mixed.rows, before->mixed, before, now);
     for (uint32_t y = 0; y < PLAN_CELLS; ++y)
-      parts[part].read[y] &= axis ? ((y < at) == !part ? UINT64_MAX : 0) : part ? ~before : before;
+      state.clean.rows[y] = state.valid.rows[y] & ~mixed.rows[y];
+    spoil(&state, like, info, texel);
   }
+  if (info->cache && info->cache->movers)
+    find_moving(&state, like, info->cache, texel);
+  return state;
 }
 
-/* The cut that leaves the smallest rectangles: what they save, in cells. */
-static uint32_t best_cut(plan_cells parts[2], const plan_cells *cells) {
-  cell_bounds b;
-  plan_cells tried[2];
-  const uint32_t whole = area_of(cells);
-  uint32_t best = 0;
-  if (!bound(&b, cells))
-    return 0;
-  for (int axis = 0; axis < 2; ++axis)
-    for (uint32_t at = b.low[axis] + 1; at <= b.high[axis]; ++at) {
-      cut(tried, cells, axis, at);
-      const uint32_t saved = whole - area_of(&tried[0]) - area_of(&tried[1]);
-      if (saved <= best)
-        continue;
-      best = saved;
-      memcpy(parts, tried, sizeof tried);
-    }
-  return best;
-}
+/* ---- a map ---- */
 
-static void finish_window(plan_window *window, const plan_cascade *of, const plan_fit *fit, const plan_cells *cells,
-                          const plan_pages *pages) {
-  cell_bounds b;
-  int64_t square[2];
-  (void)bound(&b, cells);
-  for (int axis = 0; axis < 2; ++axis)
-    square[axis] = (pages->first[axis] + b.low[axis]) >> 6; /* 64 pages; it rounds down */
-  place_window(window, of, fit, square);
-  window->slots[0] = (uint32_t)((pages->first[0] + b.low[0]) & LAST);
-  window->slots[1] = slot_row(pages, b.high[1]);
-  window->slots[2] = b.high[0] - b.low[0] + 1;
-  window->slots[3] = b.high[1] - b.low[1] + 1;
-}
-
-/* What is due, in each of the squares that the map lies in. */
-static uint32_t divide_squares(plan_cells *out, const plan_cells *due, const plan_pages *pages) {
-  uint32_t count = 0;
-  for (int part = 0; part < 4; ++part) {
-    const uint64_t columns = half(pages->first[0], part & 1), rows = half(pages->first[1], part >> 1);
-    plan_cells *to = &out[count];
-    uint64_t any = 0;
-    *to = *due;
-    for (uint32_t y = 0; y < PLAN_CELLS; ++y)
-      any |= to->read[y] = rows >> y & 1 ? due->read[y] & columns : 0;
-    count += any != 0;
-  }
-  return count;
-}
+/* What is drawn of a map's pages, and what is copied. */
+typedef struct page_work {
+  plan_cells drawn[PLAN_WINDOW_KINDS];
+  cell_set copied, saved;
+} page_work;
 
 /*
- * A cascade's windows, and the cells of each. Returns a mask of them. A triangle is drawn over all of a window's rectangle,
- * also where nothing is due, so windows are divided while that leaves out enough.
+ * Where something moves, or the second layer has the page already, it is copied from there. That layer gets what it lacks: the
+ * page as it was before anything moved into it, or drawn.
  */
-static uint32_t make_windows(plan_frame *frame, plan_cells *cells, uint32_t cascade, const plan_fit *fit,
-                             const plan_cells *due) {
-  const plan_pages *pages = &frame->history.pages[cascade];
-  plan_cells *own = &cells[frame->window_count], parts[2];
-  const uint32_t most = PLAN_WINDOWS_MOST / frame->cascade_count;
-  uint32_t count = divide_squares(own, due, pages), made = 0;
-  for (uint32_t i = 0; i < count && count < most;)
-    if (best_cut(parts, &own[i]) >= WORTH_A_CUT) {
-      own[i] = parts[0];
-      own[count++] = parts[1];
-    } else {
-      ++i;
-    }
-  for (uint32_t i = 0; i < count; ++i) {
-    plan_window *window = &frame->windows[frame->window_count];
-    *window = (plan_window){.cascade = cascade};
-    finish_window(window, &frame->cascades[cascade], fit, &own[i], pages);
-    made |= 1u << frame->window_count++;
+static void divide_work(page_work *out, const plan_cells *due, const page_state *state) {
+  for (int kind = 0; kind < PLAN_WINDOW_KINDS; ++kind)
+    out->drawn[kind] = *due;
+  for (uint32_t y = 0; y < PLAN_CELLS; ++y) {
+    const uint64_t still = state->still.rows[y], moving = state->moving.rows[y];
+    const uint64_t copied = due->read[y] & (moving | still), lacks = copied & ~still;
+    out->copied.rows[y] = copied;
+    out->saved.rows[y] = lacks & state->clean.rows[y];
+    out->drawn[PLAN_WINDOW_ALL].read[y] = due->read[y] & ~copied;
+    out->drawn[PLAN_WINDOW_STILL].read[y] = lacks & ~state->clean.rows[y];
+    out->drawn[PLAN_WINDOW_MOVING].read[y] = copied & moving;
   }
+}
+
+/* All that is due is drawn into the maps at once. */
+static void undivide_work(page_work *out, const plan_cells *due) {
+  *out = (page_work){0};
+  out->drawn[PLAN_WINDOW_ALL] = *due;
+}
+
+/* What then is valid, and what is done for it. */
+static void note_work(plan_frame *frame, uint32_t cascade, const page_state *state, const plan_cells *read,
+                      const plan_cells *due, const page_work *work) {
+  plan_cascade *of = &frame->cascades[cascade];
+  plan_pages *pages = &frame->history.pages[cascade];
+  cell_set valid, still, mixed;
+  for (uint32_t y = 0; y < PLAN_CELLS; ++y) {
+    valid.rows[y] = state->valid.rows[y] | read->read[y];
+    still.rows[y] = state->still.rows[y] | work->copied.rows[y];
+    mixed.rows[y] = (state->valid.rows[y] & ~state->clean.rows[y]) | (due->read[y] & state->moving.rows[y]);
+  }
+  to_slots(pages->valid, valid.rows, pages);
+  to_slots(pages->still, still.rows, pages);
+  to_slots(pages->mixed, mixed.rows, pages);
+  memcpy(of->valid, pages->valid, sizeof of->valid);
+  to_slots(of->due, due->read, pages);
+  to_slots(of->copied, work->copied.rows, pages);
+  to_slots(of->saved, work->saved.rows, pages);
+  to_slots(of->still_due, work->drawn[PLAN_WINDOW_STILL].read, pages);
+}
+
+/* Which pages of a map are made anew, of those that are read, and how. Returns its windows. */
+static plan_windows make_map(plan_frame *frame, uint32_t cascade, const plan_fit *fit, plan_cells *cells,
+                             const plan_cells *read, const plan_frame_info *info) {
+  plan_cascade *of = &frame->cascades[cascade];
+  plan_pages *pages = &frame->history.pages[cascade];
+  begin_pages(pages, of, fit);
+  const page_state state =
+      find_state(knows_changes(frame, info) ? &info->before->pages[cascade] : NULL, pages, read, info);
+  plan_cells due = *read;
+  for (uint32_t y = 0; y < PLAN_CELLS; ++y)
+    due.read[y] &= ~state.valid.rows[y];
+  page_work work;
+  plan_windows made;
+  divide_work(&work, &due, &state);
+  if (!plan_windows_make(&made, frame, cells, cascade, fit, work.drawn)) {
+    undivide_work(&work, &due);
+    (void)plan_windows_make(&made, frame, cells, cascade, fit, work.drawn);
+  }
+  note_work(frame, cascade, &state, read, &due, &work);
+  const uint32_t page = fit->resolution / PLAN_CELLS;
+  of->begin_texels[0] = (uint32_t)(pages->first[0] & LAST) * page;
+  of->begin_texels[1] = plan_slot_row(pages, LAST) * page;
   return made;
 }
 
 /* From masks of cascades to masks of windows. */
-static void spread(plan_lists *lists, const plan_frame *frame, const uint32_t windows[CSM_MAX_CASCADES]) {
+static void spread(plan_lists *lists, const plan_frame *frame, const plan_windows *windows, const plan_cache *cache) {
+  const bool *moves = cache && cache->movers ? plan_cache_kept(cache).moves : NULL;
   for (uint32_t slot = 0; slot < frame->slot_count; ++slot) {
-    uint32_t of_windows = 0;
-    for (uint32_t mask = lists->masks[slot]; mask; mask &= mask - 1)
-      of_windows |= windows[__builtin_ctz(mask)];
+    uint64_t of_windows = 0;
+    for (uint64_t mask = lists->masks[slot]; mask; mask &= mask - 1) {
+      const plan_windows *of = &windows[__builtin_ctzll(mask)];
+      of_windows |= of->of[PLAN_WINDOW_ALL] | of->of[moves && moves[slot] ? PLAN_WINDOW_MOVING : PLAN_WINDOW_STILL];
+    }
     lists->masks[slot] = of_windows;
   }
 }
 
-/* ---- a frame ---- */
-
-/* Which pages of a map are drawn, of those that are read: `cells` become those. */
-static void find_due(plan_frame *frame, uint32_t cascade, const plan_fit *fit, plan_cells *cells,
-                     const plan_frame_info *info) {
-  plan_cascade *of = &frame->cascades[cascade];
-  plan_pages *pages = &frame->history.pages[cascade];
-  uint64_t valid[PLAN_CELLS] = {0};
-  begin_pages(pages, of, fit);
-  if (knows_changes(frame, info) && drawn_alike(&info->before->pages[cascade], pages)) {
-    keep_cells(valid, &info->before->pages[cascade], pages);
-    spoil(valid, cells, info, fmax(fit->texel[0], fit->texel[1]));
-  }
-  for (uint32_t y = 0; y < PLAN_CELLS; ++y) {
-    const uint64_t read = cells->read[y];
-    cells->read[y] = read & ~valid[y];
-    valid[y] |= read;
-  }
-  to_slots(pages->valid, valid, pages);
-  to_slots(of->due, cells->read, pages);
-  memcpy(of->valid, pages->valid, sizeof of->valid);
-  const uint32_t page = fit->resolution / PLAN_CELLS;
-  of->begin_texels[0] = (uint32_t)(pages->first[0] & LAST) * page;
-  of->begin_texels[1] = slot_row(pages, LAST) * page;
-}
-
 void plan_pages_make(plan_frame *frame, const plan_fit *fits, plan_lists *lists, plan_cells *cells,
                      const plan_frame_info *info) {
-  plan_cells due[CSM_MAX_CASCADES];
-  uint32_t windows[CSM_MAX_CASCADES] = {0};
+  plan_cells read[CSM_MAX_CASCADES];
+  plan_windows windows[CSM_MAX_CASCADES];
   plan_history *history = &frame->history;
-  memcpy(due, cells, frame->cascade_count * sizeof *due);
+  memcpy(read, cells, frame->cascade_count * sizeof *read);
   frame->window_count = 0;
-  for (uint32_t i = 0; i < frame->cascade_count; ++i) {
-    find_due(frame, i, &fits[i], &due[i], info);
-    windows[i] = make_windows(frame, cells, i, &fits[i], &due[i]);
-  }
-  spread(lists, frame, windows);
+  for (uint32_t i = 0; i < frame->cascade_count; ++i)
+    windows[i] = make_map(frame, i, &fits[i], cells, &read[i], info);
+  spread(lists, frame, windows, info->cache);
   const bool stays = info->cache && info->cache->keeps && info->cache->identity == info->scene->identity;
   history->pages_identity = stays ? info->scene->identity : 0;
   history->pages_revision = stays ? info->cache->revision : 0;
+  history->pages_plan = stays ? info->cache->plans : 0;
   history->pages_layers = info->light_layers;
   memcpy(history->pages_basis, frame->basis, sizeof history->pages_basis);
 }

@@ -74,8 +74,8 @@ void plan_cull_parts(plan_lists *lists, const plan_cells *cells, const double ba
   const uint64_t all = drawable(&parts);
   part_box boxes[PLAN_MOST_PARTS];
   bool placed = false;
-  for (uint32_t rest = lists->masks[slot]; rest; rest &= rest - 1) {
-    const uint32_t list = (uint32_t)__builtin_ctz(rest);
+  for (uint64_t rest = lists->masks[slot]; rest; rest &= rest - 1) {
+    const uint32_t list = (uint32_t)__builtin_ctzll(rest);
     if (!plan_cells_meet_some(&cells[list], low, high))
       continue;
     if (!placed)
@@ -83,8 +83,8 @@ void plan_cull_parts(plan_lists *lists, const plan_cells *cells, const double ba
     placed = true;
     const uint64_t read = find_read(&cells[list], boxes, all);
     if (!read)
-      lists->masks[slot] &= ~((uint32_t)1 << list);
+      lists->masks[slot] &= ~((uint64_t)1 << list);
     else if (read != all && add_draws(lists, list, &whole, &parts, read))
-      lists->partly[slot] |= (uint32_t)1 << list;
+      lists->partly[slot] |= (uint64_t)1 << list;
   }
 }

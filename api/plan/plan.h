@@ -223,10 +223,15 @@ enum { PLAN_CELLS = 64 }; /* of a map, across and up; the pages of one that is m
  *
  * What a page holds follows from where it lies, from texel, anchor, range of depths and the light's basis, and from the
  * casters over it; from nothing else. So it is kept while those stay, whatever the camera does.
+ *
+ * What keeps moving spoils a page in each frame, and what stands still in it would be drawn again and again. So a second
+ * layer keeps such pages without what moves; they are copied from there, and what moves is drawn over them.
  */
 typedef struct plan_pages {
   bool any;                   /* false: nothing is valid, and nothing else is filled in */
   uint64_t valid[PLAN_CELLS]; /* rows of slots, a bit each: it holds its page as it would be drawn now */
+  uint64_t still[PLAN_CELLS]; /* likewise, in a second layer: its page without what keeps moving */
+  uint64_t mixed[PLAN_CELLS]; /* those that are valid, and hold something that keeps moving */
   int64_t first[2];
   double texel[2], anchor[3], depth[2]; /* what it was drawn with; of depth: scale and offset */
 } plan_pages;
@@ -258,6 +263,7 @@ typedef struct plan_history {
   plan_pages pages[CSM_MAX_CASCADES];
   uint64_t pages_identity; /* of the scene that pages were drawn of; 0: of none that stays */
   uint64_t pages_revision;
+  uint32_t pages_plan;   /* of the cache: the plan that drew them */
   uint32_t pages_layers; /* of the light */
   double pages_basis[9];
   double pages_depth[2]; /* the range of depths, in metres from the world's origin; equal: none yet */
@@ -278,10 +284,22 @@ typedef struct plan_cascade {
   double shift;       /* metres towards the light by which receivers are moved before they are compared */
   uint32_t casters;   /* that are drawn into it in this frame */
   /* Of pages: where the map begins in its layer, across and down, which it goes on at the other side of; rows of slots,
-     a bit each: those that are drawn, and those that then are valid */
+     a bit each: those that are made anew, and those that then are valid */
   uint32_t begin_texels[2];
   uint64_t due[PLAN_CELLS], valid[PLAN_CELLS];
+  /* Of those that are due: copied from the second layer, which is first given those that it lacks: copied to it as they
+     were, or drawn there */
+  uint64_t copied[PLAN_CELLS], saved[PLAN_CELLS], still_due[PLAN_CELLS];
 } plan_cascade;
+
+/* What of its pages' casters a window draws, and where to: all of them into the maps; those that stand still into the second
+   layer; those that keep moving into the maps, once the pages are copied there. */
+typedef enum plan_window_kind {
+  PLAN_WINDOW_ALL,
+  PLAN_WINDOW_STILL,
+  PLAN_WINDOW_MOVING,
+  PLAN_WINDOW_KINDS
+} plan_window_kind;
 
 /*
  * What is drawn at one go. Of whole maps, window i is cascade i's map. The world of pages is laid out in squares, each as
@@ -290,12 +308,13 @@ typedef struct plan_cascade {
  */
 typedef struct plan_window {
   uint32_t cascade;
+  plan_window_kind kind;
   double to_clip[12]; /* as plan_cascade's */
   uint32_t slots[4];  /* of pages: the first column and row, and how many of each, that hold all that is due */
   plan_list list;
 } plan_window;
 
-enum { PLAN_WINDOWS_MOST = 4 * CSM_MAX_CASCADES };
+enum { PLAN_WINDOWS_MOST = 8 * CSM_MAX_CASCADES };
 
 typedef struct plan_frame {
   plan_camera camera;
@@ -334,6 +353,8 @@ typedef struct plan_cache {
   double basis[9];
   uint32_t changed; /* boxes of what changed since plan_pages_begin, as they were and as they are */
   bool unknown;     /* not all of them are there */
+  uint32_t plans;   /* of pages, so far */
+  uint32_t movers;  /* casters that keep moving */
 } plan_cache;
 
 size_t plan_cache_size(uint32_t slot_count);

@@ -16,8 +16,10 @@ typedef struct painted {
   uint64_t casters[2 * WORLD_MOST];
 } painted;
 
+typedef painted layers[cascades][PLAN_CELLS][PLAN_CELLS]; /* row, column */
+
 typedef struct maps {
-  painted slots[cascades][PLAN_CELLS][PLAN_CELLS]; /* row, column */
+  layers shown, still; /* still: without what keeps moving */
 } maps;
 
 /* Where the page of a slot lies, by the map's place on its grid. */
@@ -62,25 +64,50 @@ static double reach_over(const painted *page, const lit_box *box) {
   return reach;
 }
 
+static void clear_page(layers to, const plan_frame *frame, uint32_t cascade, uint32_t row, uint32_t column) {
+  painted *page = &to[cascade][row][column];
+  *page = (painted){.any = true};
+  lay_page(page, frame, cascade, row, column);
+}
+
+/* What is there before anything is drawn: what the second layer takes over, and what is cleared. */
 static void clear(maps *to, const plan_frame *frame) {
   for (uint32_t c = 0; c < cascades; ++c)
     for (uint32_t row = 0; row < PLAN_CELLS; ++row)
+      for (uint32_t column = 0; column < PLAN_CELLS; ++column) {
+        const plan_cascade *of = &frame->cascades[c];
+        const uint64_t bit = 1ull << column;
+        assert_int_equal((of->saved[row] | of->still_due[row]) & ~of->copied[row], 0);
+        assert_int_equal((of->saved[row] & of->still_due[row]) | (of->copied[row] & ~of->due[row]), 0);
+        if (of->saved[row] & bit)
+          to->still[c][row][column] = to->shown[c][row][column];
+        if (of->still_due[row] & bit)
+          clear_page(to->still, frame, c, row, column);
+        if (of->due[row] & ~of->copied[row] & bit)
+          clear_page(to->shown, frame, c, row, column);
+      }
+}
+
+static void copy(maps *to, const plan_frame *frame) {
+  for (uint32_t c = 0; c < cascades; ++c)
+    for (uint32_t row = 0; row < PLAN_CELLS; ++row)
       for (uint32_t column = 0; column < PLAN_CELLS; ++column)
-        if (frame->cascades[c].due[row] >> column & 1) {
-          painted *page = &to->slots[c][row][column];
-          *page = (painted){.any = true};
-          lay_page(page, frame, c, row, column);
-        }
+        if (frame->cascades[c].copied[row] >> column & 1)
+          to->shown[c][row][column] = to->still[c][row][column];
 }
 
 /* A window's list goes into all slots of its rectangle, as a scissor lets it. */
-static void draw(maps *to, const plan_frame *frame, const plan_scene *scene, const lit_box *boxes) {
+static void draw(maps *to, const plan_frame *frame, plan_window_kind kind, const plan_scene *scene,
+                 const lit_box *boxes) {
   for (uint32_t w = 0; w < frame->window_count; ++w) {
     const plan_window *window = &frame->windows[w];
     const uint32_t *slots = window->slots;
+    if (window->kind != kind)
+      continue;
     for (uint32_t row = slots[1]; row < slots[1] + slots[3]; ++row)
       for (uint32_t column = slots[0]; column < slots[0] + slots[2]; ++column) {
-        painted *page = &to->slots[window->cascade][row][column], now;
+        painted(*layer)[PLAN_CELLS] = (kind == PLAN_WINDOW_STILL ? to->still : to->shown)[window->cascade];
+        painted *page = &layer[row][column], now;
         lay_page(&now, frame, window->cascade, row, column);
         for (uint32_t i = 0; i < window->list.instance_count && page->any; ++i) {
           const uint32_t slot = window->list.instances[i];
@@ -119,7 +146,7 @@ static void check_valid(const maps *of, const plan_frame *frame, const plan_scen
         if (frame->cascades[c].valid[row] >> column & 1) {
           painted now;
           lay_page(&now, frame, c, row, column);
-          check_page(&of->slots[c][row][column], &now, 1e-6 * frame->cascades[c].texel[0], scene, boxes);
+          check_page(&of->shown[c][row][column], &now, 1e-6 * frame->cascades[c].texel[0], scene, boxes);
         }
 }
 
@@ -155,8 +182,26 @@ typedef struct walker {
   plan_history history;
   test_camera camera;
   double light[3];
-  uint32_t drawn, kept;
+  uint32_t drawn, kept, copied, saved, still_drawn, came_to_rest;
 } walker;
+
+static uint32_t count(const uint64_t rows[PLAN_CELLS]) {
+  uint32_t bits = 0;
+  for (uint32_t row = 0; row < PLAN_CELLS; ++row)
+    bits += (uint32_t)__builtin_popcountll(rows[row]);
+  return bits;
+}
+
+static void count_pages(walker *w, const plan_frame *frame) {
+  for (uint32_t c = 0; c < cascades; ++c) {
+    const plan_cascade *of = &frame->cascades[c];
+    w->drawn += count(of->due);
+    w->kept += count(of->valid) - count(of->due);
+    w->copied += count(of->copied);
+    w->saved += count(of->saved);
+    w->still_drawn += count(of->still_due);
+  }
+}
 
 /* Some frames are planned, and then come to nothing; some find other images than those that they left. */
 static void one_frame(walker *w, int frame) {
@@ -181,20 +226,21 @@ static void one_frame(walker *w, int frame) {
                                 .maps_kept = random_below(random, 30) != 0};
   if (!info.maps_kept)
     memset(&w->maps, 0, sizeof w->maps);
+  const uint32_t movers = w->cache.movers;
   if (plan_traced(&made, &info, w->world.memory[0], &error))
     fail_msg("%s", error);
+  w->came_to_rest += w->cache.movers < movers;
   if (random_below(random, 4) == 0 && info.maps_kept)
     return;
   clear(&w->maps, &made);
   lay_boxes(w->boxes, &made, &scene);
-  draw(&w->maps, &made, &scene, w->boxes);
+  draw(&w->maps, &made, PLAN_WINDOW_STILL, &scene, w->boxes);
+  draw(&w->maps, &made, PLAN_WINDOW_ALL, &scene, w->boxes);
+  copy(&w->maps, &made);
+  draw(&w->maps, &made, PLAN_WINDOW_MOVING, &scene, w->boxes);
   check_valid(&w->maps, &made, &scene, w->boxes);
   w->history = made.history;
-  for (uint32_t c = 0; c < cascades; ++c)
-    for (uint32_t row = 0; row < PLAN_CELLS; ++row) {
-      w->drawn += (uint32_t)__builtin_popcountll(made.cascades[c].due[row]);
-      w->kept += (uint32_t)__builtin_popcountll(made.cascades[c].valid[row] & ~made.cascades[c].due[row]);
-    }
+  count_pages(w, &made);
 }
 
 static void stretch(world *w, float away) {
@@ -222,6 +268,7 @@ static void valid_pages_hold_what_they_would(void **state) {
     one_frame(w, frame);
   }
   assert_true(w->drawn > 100000 && w->kept > 100000);
+  assert_true(w->copied > 1000 && w->saved > 1000 && w->still_drawn > 1000 && w->came_to_rest > 3);
   free(w->cache.memory);
   world_end(&w->world);
   free(w);

@@ -655,6 +655,8 @@ typedef struct csm_stats {
   double instance_tree_ms; /* bringing the instances' tree up to date in the last csm_render_cascades */
   uint32_t pages_drawn;    /* with map_layout pages: of all maps, those that the last frame drew */
   uint32_t pages_valid;    /* and those that then hold what they would if they were drawn */
+  uint32_t pages_copied;   /* of pages_drawn: copied without what keeps moving, which was drawn over them */
+  uint32_t reserved;       /* 0 */
 } csm_stats;
 
 /*

@@ -1,21 +1,11 @@
 #include "techniques/maps/maps.h"
 
 #include "techniques/draw_list.h"
-#include "techniques/maps/casters.h"
+#include "techniques/maps/pages.h"
 #include "techniques/pass_timer.h"
 
 #include <stdio.h>
 #include <string.h>
-
-/* The image that a configuration's maps lie in. */
-typedef struct map_image {
-  retired retired;
-  gpu_image *image;
-  gpu_target *targets[CSM_MAX_CASCADES]; /* by layer */
-  plan_layout layout;
-  gpu_format format;
-  bool written; /* something has been recorded into it */
-} map_image;
 
 /* What lies on a device for a configuration. */
 typedef struct map_objects {
@@ -29,58 +19,22 @@ typedef struct maps_state {
   bool drawn; /* with the present configuration */
   /* of the recording on its way */
   ring_range ring;
-  uint64_t offsets[PLAN_WINDOWS_MOST]; /* in the ring's buffer, where each window's matrices begin */
+  map_windows windows;
+  page_copies copies;
   /* of the last frame */
   csm_cascade_stats cascades[CSM_MAX_CASCADES];
   pass_timer timer; /* of the clear, of each cascade */
   technique_pages pages[CSM_MAX_CASCADES];
-  uint32_t pages_drawn, pages_valid;
+  uint32_t pages_drawn, pages_copied, pages_valid;
 } maps_state;
-
-/* ---- images ---- */
-
-static void image_free(device *device, retired *self) {
-  map_image *image = (map_image *)self;
-  for (uint32_t i = 0; i < image->layout.layers; ++i)
-    gpu_target_destroy(device->gpu, image->targets[i]);
-  device_image_free(device, image->image);
-  host_release(device->host, image);
-}
-
-static csm_result image_create(device *device, const plan_layout *layout, gpu_format format, map_image **out) {
-  map_image *image = host_allocate(device->host, sizeof *image);
-  if (!image)
-    return CSM_ERROR_OUT_OF_MEMORY;
-  image->layout = *layout;
-  image->format = format;
-  const gpu_image_info info = {
-      .name = "cascade maps",
-      .format = format,
-      .usage = GPU_IMAGE_TARGET | GPU_IMAGE_SAMPLED | GPU_IMAGE_COPY_SOURCE,
-      .width = layout->width,
-      .height = layout->height,
-      .layers = layout->layers,
-      .array = true,
-  };
-  csm_result result = device_image(device, &info, &image->image);
-  for (uint32_t i = 0; i < layout->layers && !result; ++i) {
-    const gpu_target_info target = {.name = "cascade map", .depth = image->image, .depth_layer = i};
-    result = device_check(device, gpu_target_create(device->gpu, &target, &image->targets[i]), "a cascade's target");
-  }
-  if (result) {
-    image_free(device, &image->retired);
-    return result;
-  }
-  *out = image;
-  return CSM_SUCCESS;
-}
-
-static bool image_fits(const map_image *image, const plan_layout *layout, gpu_format format) {
-  return image->format == format && memcmp(&image->layout, layout, sizeof *layout) == 0;
-}
 
 /* ---- settings and devices ---- */
 
+/* Whether an image serves a configuration. Second layers go with the last pages. */
+static bool image_fits(const map_image *image, const plan_layout *layout, gpu_format format, const csm_config *config) {
+  return image->format == format && memcmp(&image->layout, layout, sizeof *layout) == 0 &&
+         (!image->second.image || plan_has_pages(config));
+}
 static bool wanted(const csm_config *config) {
   (void)config;
   return true;
@@ -93,10 +47,10 @@ static csm_result make(void *self, device *device, const csm_config *config) {
   plan_layout layout = {0};
   plan_layout_make(&layout, config);
   csm_result result = caster_programs_extend(device, &made.casters);
-  if (!result && state->now.device == device && image_fits(state->now.image, &layout, format))
+  if (!result && state->now.device == device && image_fits(state->now.image, &layout, format, config))
     made.image = state->now.image;
   else if (!result)
-    result = image_create(device, &layout, format, &made.image);
+    result = map_image_create(device, &layout, format, &made.image);
   if (result) {
     caster_programs_give_back(device, &made.casters);
     return result;
@@ -117,7 +71,7 @@ static void drop(void *self, device *device) {
   if (!state->now.device)
     return;
   if (state->now.image != state->fresh.image)
-    retire(device, &state->now.image->retired, image_free);
+    retire(device, &state->now.image->retired, map_image_free);
   caster_programs_give_back(device, &state->now.casters);
   state->now = (map_objects){0};
 }
@@ -136,42 +90,33 @@ static void forget(void *self, device *device) {
   if (!state->fresh.device)
     return;
   if (state->fresh.image != state->now.image)
-    image_free(device, &state->fresh.image->retired);
+    map_image_free(device, &state->fresh.image->retired);
   caster_programs_give_back(device, &state->fresh.casters);
   state->fresh = (map_objects){0};
 }
 
 /* ---- a frame ---- */
 
-/* Bytes of a window's matrices, up to where the next one's begin. */
-static uint64_t matrices_bytes(const plan_frame *plan, uint32_t window) {
-  const uint64_t bytes = draw_list_bytes(&plan->windows[window].list, CASTER_ROWS);
-  return (bytes + RING_ALIGNMENT - 1) / RING_ALIGNMENT * RING_ALIGNMENT;
-}
-
 static uint64_t size(const void *self, const technique_run *run) {
   (void)self;
-  uint64_t bytes = 0;
-  for (uint32_t i = 0; i < run->plan->window_count && !run->plan->unshadowed; ++i)
-    bytes += matrices_bytes(run->plan, i);
-  return bytes;
+  return map_windows_bytes(run->plan) + page_copies_bytes(run->plan);
 }
 
 static csm_result reserve(void *self, technique_run *run, const ring_range *ring) {
   maps_state *state = self;
   state->ring = *ring;
-  return caster_programs_extend(run->device, &state->now.casters);
+  const csm_result result = caster_programs_extend(run->device, &state->now.casters);
+  return !result && page_copies_any(run->plan) ? map_image_extend(run->device, state->now.image) : result;
 }
 
 static void write(void *self, const technique_run *run) {
   maps_state *state = self;
-  uint64_t offset = 0;
-  for (uint32_t i = 0; i < run->plan->window_count && !run->plan->unshadowed; ++i) {
-    if (run->plan->windows[i].list.instance_count)
-      plan_write_window_matrices((float *)((char *)state->ring.memory + offset), run->plan, i, run->scene);
-    state->offsets[i] = state->ring.offset + offset;
-    offset += matrices_bytes(run->plan, i);
-  }
+  const uint64_t matrices = map_windows_bytes(run->plan);
+  map_windows_write(&state->windows, run, &state->ring);
+  page_copies_write(&state->copies, run->plan,
+                    &(ring_range){.buffer = state->ring.buffer,
+                                  .offset = state->ring.offset + matrices,
+                                  .memory = (char *)state->ring.memory + matrices});
 }
 
 /* ---- recording ---- */
@@ -197,21 +142,6 @@ static void call_engine(const maps_state *state, const technique_run *run, uint3
   run->frame->draw(run->frame->draw_user, &info);
 }
 
-/* Into the pass that is open. */
-static void draw_casters(const maps_state *state, const technique_run *run, uint32_t window) {
-  const caster_programs *casters = &state->now.casters;
-  draw_list(run->device->gpu,
-            &(draw_list_info){.programs = {casters->programs[GPU_CULL_NONE], casters->programs[GPU_CULL_BACK],
-                                           casters->programs[GPU_CULL_FRONT]},
-                              .cull = casters->look.cull,
-                              .skip_hidden = true,
-                              .list = &run->plan->windows[window].list,
-                              .meshes = run->device->geometry.meshes,
-                              .matrices = state->ring.buffer,
-                              .offset = state->offsets[window],
-                              .rows = CASTER_ROWS});
-}
-
 /* A whole map, which is one window. */
 static void draw_map(const maps_state *state, const technique_run *run, uint32_t cascade) {
   const gpu gpu = run->device->gpu;
@@ -220,35 +150,10 @@ static void draw_map(const maps_state *state, const technique_run *run, uint32_t
   const plan_rect *rect = &state->now.image->layout.rects[cascade];
   gpu_pass_begin(gpu, &(gpu_pass_info){.target = state->now.image->targets[rect->layer],
                                        .area = {rect->x, rect->y, rect->side, rect->side}});
-  draw_casters(state, run, cascade);
+  map_windows_draw(&state->windows, run, &state->now.casters, cascade);
   if (run->frame->draw)
     call_engine(state, run, cascade);
   gpu_pass_end(gpu);
-}
-
-/* Slots of a layer, in texels. */
-static gpu_rect texels_of(const map_image *image, const uint32_t slots[4]) {
-  const uint32_t page = image->layout.width / PLAN_CELLS;
-  return (gpu_rect){slots[0] * page, slots[1] * page, slots[2] * page, slots[3] * page};
-}
-
-/*
- * The pages that are due. What else lies in their rectangle is drawn over by some of what it holds, at the same depths, so
- * it stays as it is.
- */
-static void draw_pages(const maps_state *state, const technique_run *run, uint32_t cascade) {
-  const gpu gpu = run->device->gpu;
-  const map_image *image = state->now.image;
-  for (uint32_t i = 0; i < run->plan->window_count; ++i) {
-    const plan_window *window = &run->plan->windows[i];
-    if (window->cascade != cascade || !window->list.draw_count)
-      continue;
-    gpu_pass_begin(gpu, &(gpu_pass_info){.target = image->targets[cascade],
-                                         .area = texels_of(image, window->slots),
-                                         .clip_space = {0, 0, image->layout.width, image->layout.height}});
-    draw_casters(state, run, i);
-    gpu_pass_end(gpu);
-  }
 }
 
 static void count_casters(maps_state *state, const technique_run *run) {
@@ -276,13 +181,14 @@ static uint32_t count_bits(const uint64_t rows[PLAN_CELLS]) {
 }
 
 static void count_pages(maps_state *state, const technique_run *run) {
-  state->pages_drawn = state->pages_valid = 0;
+  state->pages_drawn = state->pages_copied = state->pages_valid = 0;
   for (uint32_t i = 0; i < run->plan->cascade_count; ++i) {
     const plan_cascade *of = &run->plan->cascades[i];
     state->pages[i] = (technique_pages){.across = run->plan->pages ? PLAN_CELLS : 0,
                                         .begin = {of->begin_texels[0], of->begin_texels[1]}};
     memcpy(state->pages[i].valid, of->valid, sizeof of->valid);
     state->pages_drawn += count_bits(of->due);
+    state->pages_copied += count_bits(of->copied);
     state->pages_valid += count_bits(of->valid);
   }
 }
@@ -295,29 +201,18 @@ static void clear(const maps_state *state, const technique_run *run) {
   gpu_clear_depth(run->device->gpu, state->now.image->image, clear_depth(state));
 }
 
-/* Those that are due, a rectangle after the other. */
-static void clear_pages(const maps_state *state, const technique_run *run) {
-  const map_image *image = state->now.image;
-  for (uint32_t i = 0; i < run->plan->cascade_count; ++i) {
-    uint64_t due[PLAN_CELLS];
-    uint32_t slots[4];
-    memcpy(due, run->plan->cascades[i].due, sizeof due);
-    while (plan_next_slots(slots, due)) {
-      gpu_pass_begin(run->device->gpu, &(gpu_pass_info){.target = image->targets[i],
-                                                        .area = texels_of(image, slots),
-                                                        .depth_load = GPU_LOAD_CLEAR,
-                                                        .clear_depth = clear_depth(state)});
-      gpu_pass_end(run->device->gpu);
-    }
-  }
-}
-
 static void draw_all(maps_state *state, const technique_run *run) {
   const gpu gpu = run->device->gpu;
   const uint32_t count = run->plan->cascade_count;
+  const page_drawing pages = {.run = run,
+                              .image = state->now.image,
+                              .casters = &state->now.casters,
+                              .windows = &state->windows,
+                              .copies = &state->copies,
+                              .clear_depth = clear_depth(state)};
   pass_timer_begin(&state->timer, run, 1 + count);
-  if (run->plan->pages && state->now.image->written)
-    clear_pages(state, run);
+  if (run->plan->pages)
+    pages_begin(&pages);
   else
     clear(state, run);
   pass_timer_step(&state->timer, run);
@@ -326,7 +221,7 @@ static void draw_all(maps_state *state, const technique_run *run) {
     snprintf(name, sizeof name, "cascade %u depth", (unsigned)cascade);
     gpu_marker_begin(gpu, name);
     if (run->plan->pages)
-      draw_pages(state, run, cascade);
+      pages_draw(&pages, cascade);
     else
       draw_map(state, run, cascade);
     gpu_marker_end(gpu);
@@ -373,7 +268,8 @@ static void tell(const void *self, const device *device, csm_stats *stats) {
   stats->clear_gpu_ms = pass_timer_ms(&state->timer, 0);
   stats->pages_drawn = state->pages_drawn;
   stats->pages_valid = state->pages_valid;
-  stats->map_bytes += gpu_image_bytes(device->gpu, state->now.image->image);
+  stats->pages_copied = state->pages_copied;
+  stats->map_bytes += map_image_bytes(device, state->now.image);
 }
 
 static csm_result find(const void *self, uint32_t source, uint32_t cascade, technique_image *out) {
