@@ -6,7 +6,7 @@
 #include "hard/hard.h"
 #include <string.h>
 
-enum { BOXES_FROM = 1, STEPS = 22 };
+enum { BOXES_FROM = 1, STEPS = 31 };
 
 /* A step's camera, from the first one: metres ahead and to the right, and degrees to the left. */
 typedef struct pages_step {
@@ -36,6 +36,15 @@ static const pages_step steps[STEPS] = {
     {.what = "a ball moved", .ahead = -4.0, .aside = 2.0, .ball_across = 2.0},
     {.what = "a ball moved, behind the camera", .ahead = -4.0, .aside = 2.0, .turned_deg = 180.0, .ball_across = 3.0},
     {.what = "turned back to it", .ahead = -4.0, .aside = 2.0, .ball_across = 3.0},
+    {.what = "a ball rolls", .ahead = -4.0, .aside = 2.0, .ball_across = 3.1},
+    {.what = "it rolls on", .ahead = -4.0, .aside = 2.0, .ball_across = 3.25},
+    {.what = "it rolls on", .ahead = -4.0, .aside = 2.0, .ball_across = 3.45},
+    {.what = "and the camera moves", .ahead = -2.0, .aside = 1.0, .ball_across = 2.8},
+    {.what = "and a box", .ahead = -2.0, .aside = 1.0, .ball_across = 2.2, .box_up = 0.5},
+    {.what = "both", .ahead = -2.0, .aside = 1.0, .ball_across = 1.5, .box_up = 0.75},
+    {.what = "the ball alone", .ahead = -2.0, .aside = 1.0, .ball_across = 0.7, .box_up = 0.75},
+    {.what = "under another box", .aside = 1.0, .ball_across = 0.3, .box_up = 0.75, .hidden = true},
+    {.what = "it lies still", .aside = 1.5, .ball_across = 0.3, .box_up = 0.75, .hidden = true},
     {.what = "the sun moved", .ahead = -4.0, .aside = 2.0, .ball_across = 3.0, .light_deg = 0.5},
     {.what = "under that sun", .ahead = -3.5, .aside = 1.5, .ball_across = 3.0, .light_deg = 0.5},
     {.what = "the sun moved on", .ahead = -3.5, .aside = 1.5, .light_deg = 20.0},
@@ -45,14 +54,14 @@ static const pages_step steps[STEPS] = {
 /* Filters that read maps in every way there is. */
 typedef struct pages_way {
   const char *name;
-  uint32_t filter;
+  uint32_t filter, format, reversed;
 } pages_way;
 
-static const pages_way ways[] = {{"pcf_3x3", CSM_FILTER_PCF_3X3},
-                                 {"nearest", CSM_FILTER_NEAREST},
-                                 {"pcf_7x7", CSM_FILTER_PCF_7X7},
-                                 {"backprojection", CSM_FILTER_BACKPROJECTION},
-                                 {"exact", CSM_FILTER_EXACT}};
+static const pages_way ways[] = {{.name = "pcf_3x3", .filter = CSM_FILTER_PCF_3X3},
+                                 {"nearest, D16, reversed", CSM_FILTER_NEAREST, CSM_MAP_D16, 1},
+                                 {.name = "pcf_7x7", .filter = CSM_FILTER_PCF_7X7},
+                                 {.name = "backprojection", .filter = CSM_FILTER_BACKPROJECTION},
+                                 {.name = "exact", .filter = CSM_FILTER_EXACT}};
 enum { WAYS = sizeof ways / sizeof ways[0] };
 
 static int place(hard_run *run, size_t instance, int axis, double by) {
@@ -86,30 +95,42 @@ static int draw(hard_run *run, const pages_step *step, hard_picture *out) {
   return hard_draw(run, &eye, &light, 0, out);
 }
 
-/* Of all maps' pages. */
-static int count_pages(hard_run *run, uint32_t *drawn, uint32_t *valid) {
+/* What a walk's frames have drawn. */
+typedef struct page_counts {
+  uint32_t drawn, copied, valid;
+} page_counts;
+
+static int count_pages(hard_run *run, page_counts *counts) {
   csm_stats stats = {.struct_size = sizeof stats};
   const csm_result result = csm_get_stats(run->stages[0].cascades, &stats);
-  *drawn += stats.pages_drawn;
-  *valid += stats.pages_valid;
+  counts->drawn += stats.pages_drawn;
+  counts->copied += stats.pages_copied;
+  counts->valid += stats.pages_valid;
   return hard_called(result, "counting pages");
 }
 
-/* All steps; `anew` draws every page in each of them. */
+/*
+ * All steps; `anew` draws every page in each of them: with new cascades, which have seen nothing move. Once the sun has moved,
+ * the old ones' grid is one that new ones would not have, so they stay.
+ */
 static int draw_steps(hard_run *run, const csm_config *config, bool anew, hard_picture drawn[STEPS]) {
-  uint32_t pages = 0, valid = 0;
+  page_counts pages = {0};
   int code = hard_restart(run, config);
   for (int i = 0; i < STEPS && code == 0; i++) {
     code = change(run, &steps[i ? i - 1 : STEPS - 1], &steps[i]);
     if (code == 0 && anew)
-      code = hard_configure(run, config);
+      code = (steps[i].light_deg == 0.0 ? hard_restart : hard_configure)(run, config);
     if (code == 0)
       code = draw(run, &steps[i], &drawn[i]);
     if (code == 0)
-      code = count_pages(run, &pages, &valid);
+      code = count_pages(run, &pages);
   }
-  if (!anew)
-    hard_figure_add(run, (double)pages / valid, 0.5, "1", "pages drawn, of those that are valid");
+  if (!anew) {
+    hard_figure_add(run, (double)pages.drawn / pages.valid, 0.5, "1", "pages drawn, of those that are valid");
+    hard_figure_add(run, pages.copied > 0 ? 0.0 : 1.0, 0.0, "1", "walks in which no page is copied");
+  } else {
+    hard_figure_add(run, pages.copied, 0.0, "pages", "copied, of those drawn anew");
+  }
   return code;
 }
 
@@ -164,6 +185,8 @@ static int run(hard_run *run) {
   setup.config.map_layout = CSM_LAYOUT_PAGES;
   for (int i = 0; i < (run->sweep ? WAYS : 2) && code == 0; i++) {
     setup.config.filter = ways[i].filter;
+    setup.config.map_format = ways[i].format;
+    setup.config.map_reversed = ways[i].reversed;
     code = compare_steps(run, ways[i].name);
   }
   hard_unload(run);

@@ -231,6 +231,19 @@ static void test_pages(void **state) {
   }
   assert_true(cleared > 0 && drawn > 0);
   assert_int_equal(count(text, "pass_begin"), cleared + drawn);
+
+  /* What moves again keeps moving: it is drawn over copies of its pages, which a second image holds from then on. */
+  for (int again = 0; again < 2; ++again) {
+    const uint64_t bytes = stats.map_bytes;
+    moved[12] += 0.5;
+    assert_int_equal(csm_scene_move(scene, &one), CSM_SUCCESS);
+    render(f);
+    assert_int_equal(csm_get_stats(f->cascades, &stats), CSM_SUCCESS);
+    assert_true(stats.pages_copied > 0 && stats.pages_copied <= stats.pages_drawn);
+    assert_int_equal(stats.map_bytes > bytes, again == 0);
+    assert_int_equal(count(text, "clear_depth"), again == 0);
+    assert_true(count(text, "draw count=6") > 0);
+  }
   assert_int_equal(f->commands.breaches, 0);
 }
 

@@ -640,7 +640,7 @@ typedef struct csm_stats {
                           scene, or a mesh of its list, has changed since */
   double plan_ms;      /* planning and culling of the last csm_render_cascades, on the CPU */
   double record_ms;    /* recording it, submission included on an own device */
-  double clear_gpu_ms; /* as csm_cascade_stats.gpu_ms */
+  double clear_gpu_ms; /* as csm_cascade_stats.gpu_ms; with map_layout pages, making those without what moves, too */
   csm_cascade_stats cascades[CSM_MAX_CASCADES];
   uint64_t map_bytes;         /* device memory of these cascades' maps */
   uint64_t geometry_bytes;    /* of the context's meshes */

@@ -98,25 +98,6 @@ static void clear_due(const page_drawing *d, uint32_t cascade) {
   clear(d, d->image->targets[cascade], drawn);
 }
 
-void pages_begin(const page_drawing *d) {
-  const gpu gpu = d->run->device->gpu;
-  map_image *image = d->image;
-  const uint32_t count = d->run->plan->cascade_count;
-  if (image->second.image && !image->second.written)
-    gpu_clear_depth(gpu, image->second.image, d->clear_depth);
-  image->second.written = image->second.image != NULL;
-  for (uint32_t i = 0; i < count; ++i) {
-    copy(d, image->second.targets[i], image->second.from_maps, &d->copies->saved[i]);
-    clear(d, image->second.targets[i], d->run->plan->cascades[i].still_due);
-  }
-  if (!image->written) { /* nothing is kept, and to clear all of it is cheapest */
-    gpu_clear_depth(gpu, image->image, d->clear_depth);
-    return;
-  }
-  for (uint32_t i = 0; i < count; ++i)
-    clear_due(d, i);
-}
-
 /*
  * A cascade's windows of a kind. What else lies in their rectangles is drawn over by some of what it holds, at the same
  * depths, so it stays as it is.
@@ -135,15 +116,37 @@ static void draw_windows(const page_drawing *d, uint32_t cascade, plan_window_ki
   }
 }
 
-void pages_draw(const page_drawing *d, uint32_t cascade) {
-  const map_image *image = d->image;
-  const page_rects *copied = &d->copies->copied[cascade];
-  draw_windows(d, cascade, PLAN_WINDOW_STILL, image->second.targets[cascade]);
-  draw_windows(d, cascade, PLAN_WINDOW_ALL, image->targets[cascade]);
-  if (!copied->count)
+/* A copy's shader sees all layers, so none is a target then. */
+static void make_second(const page_drawing *d) {
+  const gpu gpu = d->run->device->gpu;
+  map_second *second = &d->image->second;
+  const uint32_t count = d->run->plan->cascade_count;
+  if (!second->written)
+    gpu_clear_depth(gpu, second->image, d->clear_depth);
+  second->written = true;
+  for (uint32_t i = 0; i < count; ++i)
+    copy(d, second->targets[i], second->from_maps, &d->copies->saved[i]);
+  for (uint32_t i = 0; i < count; ++i) {
+    clear(d, second->targets[i], d->run->plan->cascades[i].still_due);
+    draw_windows(d, i, PLAN_WINDOW_STILL, second->targets[i]);
+  }
+  gpu_make_readable(gpu, second->image, NULL);
+}
+
+void pages_begin(const page_drawing *d) {
+  if (page_copies_any(d->run->plan))
+    make_second(d);
+  if (!d->image->written) { /* nothing is kept, and to clear all of it is cheapest */
+    gpu_clear_depth(d->run->device->gpu, d->image->image, d->clear_depth);
     return;
-  gpu_make_readable(d->run->device->gpu, image->second.image,
-                    &(gpu_range){.first_layer = cascade, .layer_count = 1, .level_count = 1});
-  copy(d, image->targets[cascade], image->second.from_here, copied);
-  draw_windows(d, cascade, PLAN_WINDOW_MOVING, image->targets[cascade]);
+  }
+  for (uint32_t i = 0; i < d->run->plan->cascade_count; ++i)
+    clear_due(d, i);
+}
+
+void pages_draw(const page_drawing *d, uint32_t cascade) {
+  gpu_target *target = d->image->targets[cascade];
+  draw_windows(d, cascade, PLAN_WINDOW_ALL, target);
+  copy(d, target, d->image->second.from_here, &d->copies->copied[cascade]);
+  draw_windows(d, cascade, PLAN_WINDOW_MOVING, target);
 }

@@ -39,7 +39,7 @@ typedef struct page_drawing {
   float clear_depth;
 } page_drawing;
 
-/* Before any of a frame's pages are drawn: the second layers take over what they lack, and what is drawn is cleared. */
+/* Before any of a frame's pages are drawn: gives the second layers what they lack, and clears what is drawn. */
 void pages_begin(const page_drawing *drawing);
 void pages_draw(const page_drawing *drawing, uint32_t cascade);
 
