@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { frames = 400, cascades = 3, resolution = 256, page_texels = resolution / PLAN_CELLS };
+enum { frames = 200, cascades = CSM_MAX_CASCADES, resolution = 256, page_texels = resolution / PLAN_CELLS };
 
 /* ---- what would lie in the maps ---- */
 
