@@ -1,5 +1,5 @@
-// The debug views of the mask, as csm.h defines them: which cascade a pixel takes, and how densely its map lies there. The
-// normal comes from the depth, whether or not the engine has one: it decides nothing but by the configured normal offset.
+// The debug views of the mask, as csm.h defines them: which cascade a pixel takes, how densely its map lies there, and which page
+// of it the pixel reads. The normal comes from the depth, whether or not the engine has one: it decides nothing but by the configured normal offset.
 #define MASK_GENERAL 1
 #define CSM_FILTER CSM_FILTER_NEAREST
 #include "private/mask.hlsl"
@@ -9,6 +9,16 @@ float texels_square(float4 scale, float side, float3 step)
 {
     float u = scale.x * step.x * side, v = scale.y * step.y * side;
     return mad(u, u, v * v) * 0.25;
+}
+
+// The place of a page in its layer, in 16 steps that tell it from its neighbours.
+float page_of(csm_found found)
+{
+    float4 rect = csm_rect(found);
+    float half_side = 0.5 * rect.z, pages = 64.0 / rect.z;
+    float right = floor(mad(found.at.x, half_side, half_side + rect.x) * pages);
+    float down = floor(mad(-found.at.y, half_side, half_side + rect.y) * pages);
+    return mad(mad(floor(right * 0.25), -4.0, right), 4.0, mad(floor(down * 0.25), -4.0, down));
 }
 
 float main(mask_inputs pixel) : SV_Target
@@ -26,6 +36,8 @@ float main(mask_inputs pixel) : SV_Target
     float down = texels_square(scale, side, light_position(float2(place.x, place.y + 1.0), depth + steps.y) - at);
     float level = floor(mad(log2(clamp(max(right, down), 1e-30, 1e30)), 8.0, 128.5));
     float cascade = float(choice.first.cascade + 1);
-    float view = mask_c[CSM_M_CLEAR].y < 1.5 ? cascade : clamp(level, 1.0, 255.0);
+    float show = mask_c[CSM_M_CLEAR].y;
+    float page = mad(cascade, 16.0, page_of(choice.first) - 15.0);
+    float view = show < 1.5 ? cascade : show < 2.5 ? clamp(level, 1.0, 255.0) : page;
     return depth == mask_c[CSM_M_CLEAR].x || !choice.first.held ? 0.0 : view * (1.0 / 255.0);
 }

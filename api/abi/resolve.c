@@ -18,7 +18,7 @@ static csm_result check_info(csm_context *context, const csm_mask_info *info) {
   host *host = &context->host;
   if (info->flags & ~(uint32_t)CSM_FRAME_TIMESTAMPS)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_mask_info: unknown flags %x", info->flags);
-  if (info->show > CSM_SHOW_RAYS)
+  if (info->show > CSM_SHOW_PAGES)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_mask_info: there is no show %u", info->show);
   if (info->reserved)
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_mask_info: reserved is %u, not 0", info->reserved);
@@ -72,6 +72,8 @@ static csm_result check_shown(csm_context *context, const csm_config *config, ui
   if (show == CSM_SHOW_RAYS && !plan_has_rays(config))
     return host_fail(host, CSM_ERROR_INVALID_VALUE,
                      "csm_mask_info: show rays, and the filter sends none: exact and exact_soft do");
+  if (show == CSM_SHOW_PAGES && !plan_has_pages(config))
+    return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_mask_info: show pages, and map_layout has none");
   return CSM_SUCCESS;
 }
 

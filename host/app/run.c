@@ -206,22 +206,9 @@ static int save_outside(const run *r, const picture_view *view, const stage_fram
   return code;
 }
 
-/* A view that the filter has. */
-static void draw_view(image *picture, const picture_view *view, const stage_frame *frame, uint32_t show) {
-  const float *values = frame->views[show - 1];
-  if (show == CSM_SHOW_CASCADE)
-    picture_cascades(picture, view, frame->mask, values);
-  else if (show == CSM_SHOW_DENSITY)
-    picture_density(picture, view, values);
-  else if (show == CSM_SHOW_PENUMBRA)
-    picture_penumbra(picture, view, values);
-  else
-    picture_rays(picture, view, values);
-}
-
 /* The pictures of one backend; `prefix` keeps two apart. */
 static int save_frame(const run *r, const picture_view *view, const stage_frame *frame, const char *prefix) {
-  static const char *const views[STAGE_VIEWS] = {"cascades", "density", "penumbra", NULL, "rays"};
+  static const char *const views[STAGE_VIEWS] = {"cascades", "density", "penumbra", NULL, "rays", "pages"};
   image picture;
   picture_lit(&picture, view, frame->mask);
   int code = save(&picture, r->options->out, prefix, "lit");
@@ -236,7 +223,7 @@ static int save_frame(const run *r, const picture_view *view, const stage_frame 
   }
   for (uint32_t i = 0; i < STAGE_VIEWS && code == 0; i++)
     if (frame->views[i]) {
-      draw_view(&picture, view, frame, i + 1);
+      picture_shown(&picture, view, frame->mask, i + 1, frame->views[i]);
       code = save(&picture, r->options->out, prefix, views[i]);
     }
   return code ? code : save_outside(r, view, frame, prefix);

@@ -109,18 +109,24 @@ static float luminance(const float color[3]) {
   return 0.25f * color[0] + 0.6f * color[1] + 0.15f * color[2];
 }
 
-static void tint_cascade(float color[3], size_t at, const void *data) {
-  const float *cascades = data;
-  const long cascade = lroundf(cascades[at] * 255.0f) - 1;
+/* Below 0, or beyond the last one: none. */
+static void tint_as(float color[3], long cascade, float light) {
   const float grey = luminance(color);
   for (int i = 0; i < 3; i++)
     color[i] = cascade >= 0 && cascade < CSM_MAX_CASCADES
-                   ? 0.15f * color[i] + (0.06f + 1.15f * grey) * picture_cascade_colors[cascade][i]
+                   ? light * (0.15f * color[i] + (0.06f + 1.15f * grey) * picture_cascade_colors[cascade][i])
                    : 0.8f * grey;
 }
 
-void picture_cascades(image *out, const picture_view *view, const float *mask, const float *cascades) {
-  lit_with_tint(out, view, mask, tint_cascade, cascades);
+static void tint_cascade(float color[3], size_t at, const void *data) {
+  const float *cascades = data;
+  tint_as(color, lroundf(cascades[at] * 255.0f) - 1, 1.0f);
+}
+
+static void tint_page(float color[3], size_t at, const void *data) {
+  const float *pages = data;
+  const long value = lroundf(pages[at] * 255.0f) - 1;
+  tint_as(color, value < 0 ? -1 : value / 16, (value / 4 + value) % 2 ? 0.55f : 1.0f);
 }
 
 /* White, or more blue the less it is, or more red the more, up to three doublings. */
@@ -173,16 +179,17 @@ static void all_lit_with_tint(image *out, const picture_view *view, tint_functio
   free(lit);
 }
 
-void picture_density(image *out, const picture_view *view, const float *density) {
-  all_lit_with_tint(out, view, tint_density, density);
-}
-
-void picture_penumbra(image *out, const picture_view *view, const float *penumbra) {
-  all_lit_with_tint(out, view, tint_penumbra, penumbra);
-}
-
-void picture_rays(image *out, const picture_view *view, const float *rays) {
-  all_lit_with_tint(out, view, tint_rays, rays);
+void picture_shown(image *out, const picture_view *view, const float *mask, uint32_t show, const float *values) {
+  if (show == CSM_SHOW_CASCADE)
+    lit_with_tint(out, view, mask, tint_cascade, values);
+  else if (show == CSM_SHOW_PAGES)
+    lit_with_tint(out, view, mask, tint_page, values);
+  else
+    all_lit_with_tint(out, view,
+                      show == CSM_SHOW_DENSITY    ? tint_density
+                      : show == CSM_SHOW_PENUMBRA ? tint_penumbra
+                                                  : tint_rays,
+                      values);
 }
 
 void picture_mask(image *out, const picture_view *view, const float *mask) {

@@ -21,23 +21,15 @@ void picture_lit(image *out, const picture_view *view, const float *mask);
 /* Linear, of each cascade, in every picture. */
 extern const float picture_cascade_colors[CSM_MAX_CASCADES][3];
 /*
- * The same with each pixel in the colour of its cascade, which `cascades` holds as CSM_SHOW_CASCADE gives it. Grey
- * where there is none.
+ * The same with what a view of CSM_SHOW_* holds:
+ * - CASCADE: each pixel in the colour of its cascade, grey where there is none.
+ * - PAGES: the same, lighter and darker by turns.
+ * - DENSITY: white is one texel for each pixel, blue is fewer, down to an eighth, red is more, up to eight. Dark where there
+ *   are none.
+ * - PENUMBRA: white is eight texels, blue is less, down to one, red is more, up to 64. Grey where there are none.
+ * - RAYS: white is 128 nodes, blue is fewer, down to 16, red is more, up to 1024. Grey where no ray was sent.
  */
-void picture_cascades(image *out, const picture_view *view, const float *mask, const float *cascades);
-/*
- * Texels for each pixel, as CSM_SHOW_DENSITY gives them: white is one, blue is fewer, down to an eighth, red is more,
- * up to eight. Dark where there are none.
- */
-void picture_density(image *out, const picture_view *view, const float *density);
-/*
- * Radii of penumbrae, as CSM_SHOW_PENUMBRA gives them: white is eight texels, blue is less, down to one, red is more, up to
- * 64. The scene in grey where there are none.
- */
-void picture_penumbra(image *out, const picture_view *view, const float *penumbra);
-/* Nodes that rays looked at, as CSM_SHOW_RAYS gives them: white is 128, blue is fewer, down to 16, red is more, up to 1024;
-   grey where no ray was sent. */
-void picture_rays(image *out, const picture_view *view, const float *rays);
+void picture_shown(image *out, const picture_view *view, const float *mask, uint32_t show, const float *values);
 /* Visibility: white lit, black shadowed; the sky is blue. */
 void picture_mask(image *out, const picture_view *view, const float *mask);
 /*

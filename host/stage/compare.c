@@ -9,7 +9,7 @@ const double compare_mask_share = 1e-4;
 
 static const char *const view_names[STAGE_VIEWS] = {
     [CSM_SHOW_CASCADE - 1] = "cascade", [CSM_SHOW_DENSITY - 1] = "density", [CSM_SHOW_PENUMBRA - 1] = "penumbra",
-    [CSM_SHOW_HISTORY - 1] = "history", [CSM_SHOW_RAYS - 1] = "rays",
+    [CSM_SHOW_HISTORY - 1] = "history", [CSM_SHOW_RAYS - 1] = "rays",       [CSM_SHOW_PAGES - 1] = "pages",
 };
 
 /* Floats in the order of their values as integers, so that neighbours are 1 apart. */

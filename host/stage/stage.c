@@ -293,6 +293,8 @@ int stage_read(stage *s, bool maps, stage_frame *out) {
 
 bool stage_has_view(const stage *s, uint32_t show) {
   const uint32_t filter = s->setup->config.filter;
+  if (show == CSM_SHOW_PAGES)
+    return s->setup->config.map_layout == CSM_LAYOUT_PAGES;
   if (show == CSM_SHOW_RAYS)
     return filter == CSM_FILTER_EXACT || filter == CSM_FILTER_EXACT_SOFT;
   if (show == CSM_SHOW_PENUMBRA)

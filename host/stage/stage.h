@@ -24,7 +24,7 @@ typedef struct stage {
   csm_frame frame; /* of the three above */
 } stage;
 
-enum { STAGE_VIEWS = 5 }; /* CSM_SHOW_CASCADE to CSM_SHOW_RAYS, less 1; that of the history is not drawn */
+enum { STAGE_VIEWS = 6 }; /* CSM_SHOW_CASCADE to CSM_SHOW_PAGES, less 1; that of the history is not drawn */
 
 /* What drawing took, in milliseconds, and how much of it there was. */
 typedef struct stage_stats {
@@ -95,7 +95,7 @@ int stage_draw(stage *s, stage_stats *stats);
  */
 int stage_read(stage *s, bool maps, stage_frame *out);
 
-/* Whether the filter has a view, of CSM_SHOW_*. */
+/* Whether the configuration has a view, of CSM_SHOW_*. */
 bool stage_has_view(const stage *s, uint32_t show);
 /* Adds the views of what was drawn and read, and its casters. The mask on the device is a view afterwards. 0, or a code
  * after a message. */

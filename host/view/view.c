@@ -22,7 +22,7 @@ static const double scripted_seconds = 0.1;
 static const char help[] = "  W A S D   fly; E and Q up and down; shift faster; drag the mouse to look around\n"
                            "  B         swap the backend\n"
                            "  V         next view: lit, cascades, density, penumbra (of soft filters), rays (of exact\n"
-                           "            ones), maps, frusta, culled\n"
+                           "            ones), pages (of maps that have them), maps, frusta, culled\n"
                            "  C         the cascades, and back\n"
                            "  M         the maps, and back\n"
                            "  F         next filter\n"
@@ -38,13 +38,21 @@ typedef enum shown {
   SHOW_DENSITY,
   SHOW_PENUMBRA,
   SHOW_RAYS,
+  SHOW_PAGES,
   SHOW_MAPS,
   SHOW_FRUSTA,
   SHOW_CULLED,
   SHOW_COUNT
 } shown;
-static const char *const shown_names[SHOW_COUNT] = {"lit",  "cascades", "density", "penumbra",
-                                                    "rays", "maps",     "frusta",  "culled"};
+static const char *const shown_names[SHOW_COUNT] = {"lit",   "cascades", "density", "penumbra", "rays",
+                                                    "pages", "maps",     "frusta",  "culled"};
+
+/* CSM_SHOW_*, of those that csm draws; 0: none. */
+static const uint32_t shown_views[SHOW_COUNT] = {[SHOW_CASCADES] = CSM_SHOW_CASCADE,
+                                                 [SHOW_DENSITY] = CSM_SHOW_DENSITY,
+                                                 [SHOW_PENUMBRA] = CSM_SHOW_PENUMBRA,
+                                                 [SHOW_RAYS] = CSM_SHOW_RAYS,
+                                                 [SHOW_PAGES] = CSM_SHOW_PAGES};
 
 typedef struct view {
   const host_options *options;
@@ -81,8 +89,7 @@ static int draw(view *v) {
   stage_frame_free(&v->frame);
   if (code == 0)
     code = stage_read(&v->stage, v->shown == SHOW_MAPS, &v->frame);
-  if (code == 0 &&
-      (v->shown == SHOW_CASCADES || v->shown == SHOW_DENSITY || v->shown == SHOW_PENUMBRA || v->shown == SHOW_CULLED))
+  if (code == 0 && (shown_views[v->shown] || v->shown == SHOW_CULLED))
     code = stage_read_views(&v->stage, &v->frame);
   if (code)
     return code;
@@ -125,25 +132,23 @@ static int make_outside(image *picture, const view *v, const picture_view *seen)
   return code;
 }
 
+/* One of those that csm draws. Other settings, which have none, may have been chosen since. */
+static void make_view(image *picture, const view *v, const picture_view *seen) {
+  const uint32_t show = shown_views[v->shown];
+  if (v->frame.views[show - 1])
+    picture_shown(picture, seen, v->frame.mask, show, v->frame.views[show - 1]);
+  else
+    picture_lit(picture, seen, v->frame.mask);
+}
+
 static int make_picture(image *picture, const view *v, const picture_view *seen) {
   switch (v->shown) {
   case SHOW_CASCADES:
-    picture_cascades(picture, seen, v->frame.mask, v->frame.views[CSM_SHOW_CASCADE - 1]);
-    return 0;
   case SHOW_DENSITY:
-    picture_density(picture, seen, v->frame.views[CSM_SHOW_DENSITY - 1]);
-    return 0;
-  case SHOW_PENUMBRA: /* another filter, which finds none, may have been chosen since */
-    if (v->frame.views[CSM_SHOW_PENUMBRA - 1])
-      picture_penumbra(picture, seen, v->frame.views[CSM_SHOW_PENUMBRA - 1]);
-    else
-      picture_lit(picture, seen, v->frame.mask);
-    return 0;
+  case SHOW_PENUMBRA:
   case SHOW_RAYS:
-    if (v->frame.views[CSM_SHOW_RAYS - 1])
-      picture_rays(picture, seen, v->frame.views[CSM_SHOW_RAYS - 1]);
-    else
-      picture_lit(picture, seen, v->frame.mask);
+  case SHOW_PAGES:
+    make_view(picture, v, seen);
     return 0;
   case SHOW_MAPS:
     picture_maps(picture, (const float *const *)v->frame.maps, v->frame.binding.cascade_count,
@@ -272,12 +277,10 @@ static void show(view *v, shown what) {
 }
 
 static bool has(const view *v, shown what) {
-  return what == SHOW_PENUMBRA ? stage_has_view(&v->stage, CSM_SHOW_PENUMBRA)
-         : what == SHOW_RAYS   ? stage_has_view(&v->stage, CSM_SHOW_RAYS)
-                               : true;
+  return !shown_views[what] || stage_has_view(&v->stage, shown_views[what]);
 }
 
-/* The next view that the filter has. */
+/* The next view that there is. */
 static void show_next(view *v) {
   shown next = v->shown;
   do

@@ -184,7 +184,9 @@ static void masks(void **state) {
        {CSM_SHOW_PENUMBRA},
        CSM_ERROR_INVALID_VALUE,
        "penumbra"},
-      {"nothing to show", MASK(show), {CSM_SHOW_HISTORY + 1}, CSM_ERROR_INVALID_VALUE, "show"},
+      {"rays that the filter does not send", MASK(show), {CSM_SHOW_RAYS}, CSM_ERROR_INVALID_VALUE, "rays"},
+      {"pages that maps do not have", MASK(show), {CSM_SHOW_PAGES}, CSM_ERROR_INVALID_VALUE, "pages"},
+      {"nothing to show", MASK(show), {CSM_SHOW_PAGES + 1}, CSM_ERROR_INVALID_VALUE, "no show"},
       {"reserved", MASK(reserved), {1}, CSM_ERROR_INVALID_VALUE, "reserved"},
   };
   fixture f;

@@ -158,6 +158,51 @@ static void dithered_points_have_the_cascade_they_got(void **state) {
   finish(&v);
 }
 
+/* ---- pages ---- */
+
+/* A wall that faces the sun. Pages count from the world's origin, right and up as the map's texels do, so what lies in one
+   keeps it when the camera goes on. */
+static void a_place_keeps_its_page(void **state) {
+  (void)state;
+  const double depth = 10 - 1e-3;
+  csm_config config = support_config();
+  config.map_layout = CSM_LAYOUT_PAGES;
+  config.resolution = 256;
+  shown v;
+  open_view(&v);
+  const csm_instance wall = support_instance(support_box(v.context, 2), 0, 0, -10, 100, 100, 1e-3);
+  uint32_t seen = 0, near_edges = 0;
+  for (int step = 0; step < 6; ++step) {
+    const double eye[3] = {step * 1.3, -0.7 * step, 0}, to[3] = {eye[0], eye[1], -1};
+    shot shot = shot_make(&wall, 1);
+    memcpy(shot.light.direction, (const double[]){0, 0, -1}, sizeof shot.light.direction);
+    support_look_at(shot.camera.view, eye, to);
+    support_perspective(shot.camera.projection, 50, 1.5, 0.25, 200);
+    draw(&v, &config, &shot);
+    int *cascades = resolve(&v, &shot, CSM_SHOW_CASCADE), *values = resolve(&v, &shot, CSM_SHOW_PAGES);
+    for (int at = 0; at < pixels; ++at) {
+      const double across = (at % width + 0.5) / width * 2 - 1, up = 1 - (at / width + 0.5) / height * 2;
+      const double x = eye[0] + across * depth / shot.camera.projection[0];
+      const double y = eye[1] + up * depth / shot.camera.projection[5];
+      const csm_cascade_info *of = &v.binding.cascades[cascades[at] - 1];
+      const double page = of->texel_size * config.resolution / 64, *m = of->world_to_shadow;
+      const double right = (m[0] * x + m[4] * y) / hypot(m[0], m[4]) / page; /* the sun looks along z */
+      const double high = -(m[1] * x + m[5] * y) / hypot(m[1], m[5]) / page;
+      near_edges += fabs(right - round(right)) < 1e-3 || fabs(high - round(high)) < 1e-3;
+      if (fabs(right - round(right)) < 1e-3 || fabs(high - round(high)) < 1e-3)
+        continue;
+      const int column = (int)floor(right) & 3, row = 3 - ((int)floor(high) & 3);
+      assert_int_equal(values[at], 1 + 16 * (cascades[at] - 1) + 4 * column + row);
+      seen |= 1u << (4 * column + row);
+    }
+    free(cascades);
+    free(values);
+  }
+  assert_int_equal(seen, 0xffff);
+  assert_true(near_edges < pixels / 10);
+  finish(&v);
+}
+
 /* ---- density ---- */
 
 /* Each pixel of a wall 10 m before a camera that looks straight at it has one density: the picture's own metres a pixel
@@ -455,6 +500,7 @@ int main(int argc, char **argv) {
       cmocka_unit_test(times_are_of_the_last_mask_that_was_timed),
       cmocka_unit_test(a_point_has_the_cascade_of_its_interval),
       cmocka_unit_test(dithered_points_have_the_cascade_they_got),
+      cmocka_unit_test(a_place_keeps_its_page),
       cmocka_unit_test(a_wall_has_the_density_of_its_texels),
       cmocka_unit_test(the_ground_is_coarse_before_the_camera),
       cmocka_unit_test(a_penumbra_is_as_wide_as_its_caster_is_high),

@@ -168,7 +168,7 @@ static csm_result resolve(world *w) {
                         .width = dice_one_in(&w->dice, 10) ? 1 + dice_below(&w->dice, 40) : WORLD_WIDTH,
                         .height = dice_one_in(&w->dice, 10) ? 1 + dice_below(&w->dice, 40) : WORLD_HEIGHT,
                         .show =
-                            dice_one_in(&w->dice, 3) ? dice_below(&w->dice, CSM_SHOW_RAYS + 2) : CSM_SHOW_VISIBILITY};
+                            dice_one_in(&w->dice, 3) ? dice_below(&w->dice, CSM_SHOW_PAGES + 2) : CSM_SHOW_VISIBILITY};
   if (w->lent && dice_one_in(&w->dice, 2))
     lent_images(w->lent, &w->dice, &good);
   const csm_mask_info *info = world_risk(w, &good, &mask_struct);

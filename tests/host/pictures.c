@@ -115,7 +115,7 @@ static void density_is_blue_white_and_red(void **state) {
   for (int i = 0; i < shades; i++)
     density[i] = values[i] / 255.0f;
   image picture;
-  picture_density(&picture, &s.view, density);
+  picture_shown(&picture, &s.view, NULL, CSM_SHOW_DENSITY, density);
   const uint8_t(*p)[3] = (const uint8_t(*)[3])picture.pixels;
   assert_true(p[0][2] > p[0][0] + 60 && p[0][2] > p[0][1] + 60);
   assert_true(p[1][2] > p[1][0] + 20 && p[1][0] > p[0][0]); /* between */
@@ -136,7 +136,7 @@ static void penumbrae_are_blue_white_and_red(void **state) {
   for (int i = 0; i < shades; i++)
     penumbra[i] = values[i] / 255.0f;
   image picture;
-  picture_penumbra(&picture, &s.view, penumbra);
+  picture_shown(&picture, &s.view, NULL, CSM_SHOW_PENUMBRA, penumbra);
   const uint8_t(*p)[3] = (const uint8_t(*)[3])picture.pixels;
   assert_memory_equal(p[0], p[1], 3); /* a texel, and less */
   assert_true(p[1][2] > p[1][0] + 60 && p[1][2] > p[1][1] + 60);
@@ -156,7 +156,7 @@ static void cascades_have_colors_and_beyond_is_grey(void **state) {
   for (int i = 0; i < shades; i++)
     cascades[i] = (float)i / 255.0f;
   image picture;
-  picture_cascades(&picture, &s.view, mask, cascades);
+  picture_shown(&picture, &s.view, mask, CSM_SHOW_CASCADE, cascades);
   const uint8_t(*p)[3] = (const uint8_t(*)[3])picture.pixels;
   assert_true(p[0][0] == p[0][1] && p[0][1] == p[0][2]);
   assert_true(p[1][0] > p[1][1] + 60); /* red, green, blue */

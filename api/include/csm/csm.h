@@ -502,6 +502,9 @@ enum {
                             The mask is accumulated as it is for visibility */
   CSM_SHOW_RAYS = 5,     /* filters exact and exact_soft: how many nodes of trees the pixel's rays looked at, as
                             (1 + 16 * log2(n)) / 255, rounded and clamped to 1..255; 0 where the map decided */
+  CSM_SHOW_PAGES = 6     /* with map_layout pages: the cascade, as CSM_SHOW_CASCADE has it, and which of its pages the
+                            point lies in: (1 + 16 cascade + 4 (column mod 4) + row mod 4) / 255, counted in the cascade's
+                            layer from the top left. A place in the world keeps its page while the camera moves */
 };
 
 typedef struct csm_mask_info {
