@@ -109,9 +109,10 @@ typedef struct cell_set {
 } cell_set;
 
 /* Of a map before anything is drawn: pages that hold what they should; of the second layer, likewise; those that hold what
-   the second layer's should. And where something moves. */
+   the second layer's should. And where something moves, and something stands still. */
 typedef struct page_state {
-  cell_set valid, still, clean, moving;
+  bool known; /* false: nothing is kept */
+  cell_set valid, still, clean, moving, standing;
 } page_state;
 
 /* Notes a box's cells; a texel's centre may be covered from beside it. */
@@ -135,25 +136,38 @@ static void spoil(page_state *state, const plan_cells *like, const plan_frame_in
   }
 }
 
-static void find_moving(page_state *state, const plan_cells *like, const plan_cache *cache, double texel) {
-  plan_cells moving = {.begin = {like->begin[0], like->begin[1]}, .size = {like->size[0], like->size[1]}};
-  const plan_kept kept = plan_cache_kept(cache);
-  for (uint32_t i = 0; i < cache->movers; ++i) {
-    const plan_light_block *block = &kept.blocks[kept.movers[i] / PLAN_BLOCK];
-    const uint32_t at = kept.movers[i] % PLAN_BLOCK;
-    if (block->low[0][at] <= block->high[0][at])
-      add_box(&moving, (double[]){block->low[0][at], block->low[1][at]},
-              (double[]){block->high[0][at], block->high[1][at]}, texel);
-  }
-  memcpy(state->moving.rows, moving.read, sizeof moving.read);
+static void add_slot(plan_cells *cells, const plan_kept *kept, uint32_t slot, double texel) {
+  const plan_light_block *block = &kept->blocks[slot / PLAN_BLOCK];
+  const uint32_t at = slot % PLAN_BLOCK;
+  if (block->low[0][at] <= block->high[0][at])
+    add_box(cells, (double[]){block->low[0][at], block->low[1][at]}, (double[]){block->high[0][at], block->high[1][at]},
+            texel);
 }
 
-static page_state find_state(const plan_pages *before, const plan_pages *now, const plan_cells *like,
+/* What stands still is looked for among what the cascade draws. */
+static void find_moving(page_state *state, const plan_cells *like, const plan_cache *cache, const plan_lists *lists,
+                        const plan_frame *frame, uint32_t cascade, double texel) {
+  const plan_cells none = {.begin = {like->begin[0], like->begin[1]}, .size = {like->size[0], like->size[1]}};
+  const plan_kept kept = plan_cache_kept(cache);
+  plan_cells moving = none, standing = none;
+  for (uint32_t i = 0; i < cache->movers; ++i)
+    add_slot(&moving, &kept, kept.movers[i], texel);
+  for (uint32_t slot = 0; slot < frame->slot_count; ++slot)
+    if (lists->masks[slot] >> cascade & 1 && !kept.moves[slot])
+      add_slot(&standing, &kept, slot, texel);
+  memcpy(state->moving.rows, moving.read, sizeof moving.read);
+  memcpy(state->standing.rows, standing.read, sizeof standing.read);
+}
+
+static page_state find_state(const plan_frame *frame, uint32_t cascade, const plan_lists *lists, const plan_cells *like,
                              const plan_frame_info *info) {
+  const plan_pages *now = &frame->history.pages[cascade];
+  const plan_pages *before = knows_changes(frame, info) ? &info->before->pages[cascade] : NULL;
   const double texel = fmax(now->texel[0], now->texel[1]);
   page_state state = {0};
   cell_set mixed;
-  if (before && drawn_alike(before, now)) {
+  state.known = before && drawn_alike(before, now);
+  if (state.known) {
     keep_cells(state.valid.rows, before->valid, before, now);
     keep_cells(state.still.rows, before->still, before, now);
     keep_cells(mixed.rows, before->mixed, before, now);
@@ -162,7 +176,7 @@ static page_state find_state(const plan_pages *before, const plan_pages *now, co
     spoil(&state, like, info, texel);
   }
   if (info->cache && info->cache->movers)
-    find_moving(&state, like, info->cache, texel);
+    find_moving(&state, like, info->cache, lists, frame, cascade, texel);
   return state;
 }
 
@@ -175,7 +189,7 @@ typedef struct page_work {
 } page_work;
 
 /*
- * Where something moves, or the second layer has the page already, it is copied from there. That layer gets what it lacks: the
+ * Where something moves over what stands still, or the second layer has the page already, it is copied from there. That layer gets what it lacks: the
  * page as it was before anything moved into it, or drawn.
  */
 static void divide_work(page_work *out, const plan_cells *due, const page_state *state) {
@@ -183,7 +197,7 @@ static void divide_work(page_work *out, const plan_cells *due, const page_state 
     out->drawn[kind] = *due;
   for (uint32_t y = 0; y < PLAN_CELLS; ++y) {
     const uint64_t still = state->still.rows[y], moving = state->moving.rows[y];
-    const uint64_t copied = due->read[y] & (moving | still), lacks = copied & ~still;
+    const uint64_t copied = due->read[y] & ((moving & state->standing.rows[y]) | still), lacks = copied & ~still;
     out->copied.rows[y] = copied;
     out->saved.rows[y] = lacks & state->clean.rows[y];
     out->drawn[PLAN_WINDOW_ALL].read[y] = due->read[y] & ~copied;
@@ -192,7 +206,8 @@ static void divide_work(page_work *out, const plan_cells *due, const page_state 
   }
 }
 
-/* All that is due is drawn into the maps at once. */
+/* All that is due is drawn into the maps at once: where there are too many windows, and where all is made anew, as it may be in
+   the next frame, too. */
 static void undivide_work(page_work *out, const plan_cells *due) {
   *out = (page_work){0};
   out->drawn[PLAN_WINDOW_ALL] = *due;
@@ -220,20 +235,19 @@ static void note_work(plan_frame *frame, uint32_t cascade, const page_state *sta
 }
 
 /* Which pages of a map are made anew, of those that are read, and how. Returns its windows. */
-static plan_windows make_map(plan_frame *frame, uint32_t cascade, const plan_fit *fit, plan_cells *cells,
-                             const plan_cells *read, const plan_frame_info *info) {
+static plan_windows make_map(plan_frame *frame, uint32_t cascade, const plan_fit *fit, const plan_lists *lists,
+                             plan_cells *cells, const plan_cells *read, const plan_frame_info *info) {
   plan_cascade *of = &frame->cascades[cascade];
   plan_pages *pages = &frame->history.pages[cascade];
   begin_pages(pages, of, fit);
-  const page_state state =
-      find_state(knows_changes(frame, info) ? &info->before->pages[cascade] : NULL, pages, read, info);
+  const page_state state = find_state(frame, cascade, lists, read, info);
   plan_cells due = *read;
   for (uint32_t y = 0; y < PLAN_CELLS; ++y)
     due.read[y] &= ~state.valid.rows[y];
   page_work work;
   plan_windows made;
   divide_work(&work, &due, &state);
-  if (!plan_windows_make(&made, frame, cells, cascade, fit, work.drawn)) {
+  if (!state.known || !plan_windows_make(&made, frame, cells, cascade, fit, work.drawn)) {
     undivide_work(&work, &due);
     (void)plan_windows_make(&made, frame, cells, cascade, fit, work.drawn);
   }
@@ -265,7 +279,7 @@ void plan_pages_make(plan_frame *frame, const plan_fit *fits, plan_lists *lists,
   memcpy(read, cells, frame->cascade_count * sizeof *read);
   frame->window_count = 0;
   for (uint32_t i = 0; i < frame->cascade_count; ++i)
-    windows[i] = make_map(frame, i, &fits[i], cells, &read[i], info);
+    windows[i] = make_map(frame, i, &fits[i], lists, cells, &read[i], info);
   spread(lists, frame, windows, info->cache);
   const bool stays = info->cache && info->cache->keeps && info->cache->identity == info->scene->identity;
   history->pages_identity = stays ? info->scene->identity : 0;
