@@ -82,12 +82,19 @@ static bool drawn_alike(const plan_pages *a, const plan_pages *b) {
          memcmp(a->anchor, b->anchor, sizeof a->anchor) == 0 && memcmp(a->depth, b->depth, sizeof a->depth) == 0;
 }
 
+/* The cache, if it is of the scene, which then stays; else NULL. */
+static const plan_cache *cache_of(const plan_frame_info *info) {
+  const plan_cache *cache = info->cache;
+  const bool of_scene = cache && info->scene->identity && cache->keeps && cache->identity == info->scene->identity &&
+                        info->scene->slot_count <= cache->slots;
+  return of_scene ? cache : NULL;
+}
+
 /* Whether all that changed since pages were drawn is known. */
 static bool knows_changes(const plan_frame *frame, const plan_frame_info *info) {
-  const plan_cache *cache = info->cache;
+  const plan_cache *cache = cache_of(info);
   const plan_history *before = info->before;
-  return info->maps_kept && before && cache && info->scene->identity && cache->keeps && !cache->unknown &&
-         before->pages_identity == info->scene->identity && cache->identity == info->scene->identity &&
+  return info->maps_kept && before && cache && !cache->unknown && before->pages_identity == info->scene->identity &&
          before->pages_layers == info->light_layers && same_light(frame, before);
 }
 
@@ -175,8 +182,9 @@ static page_state find_state(const plan_frame *frame, uint32_t cascade, const pl
       state.clean.rows[y] = state.valid.rows[y] & ~mixed.rows[y];
     spoil(&state, like, info, texel);
   }
-  if (info->cache && info->cache->movers)
-    find_moving(&state, like, info->cache, lists, frame, cascade, texel);
+  const plan_cache *cache = cache_of(info);
+  if (cache && cache->movers)
+    find_moving(&state, like, cache, lists, frame, cascade, texel);
   return state;
 }
 
@@ -189,8 +197,8 @@ typedef struct page_work {
 } page_work;
 
 /*
- * Where something moves over what stands still, or the second layer has the page already, it is copied from there. That layer gets what it lacks: the
- * page as it was before anything moved into it, or drawn.
+ * Where something moves over what stands still, or the second layer has the page already, it is copied from there. That layer
+ * gets what it lacks: the page as it was before anything moved into it, or drawn.
  */
 static void divide_work(page_work *out, const plan_cells *due, const page_state *state) {
   for (int kind = 0; kind < PLAN_WINDOW_KINDS; ++kind)
@@ -280,11 +288,11 @@ void plan_pages_make(plan_frame *frame, const plan_fit *fits, plan_lists *lists,
   frame->window_count = 0;
   for (uint32_t i = 0; i < frame->cascade_count; ++i)
     windows[i] = make_map(frame, i, &fits[i], lists, cells, &read[i], info);
-  spread(lists, frame, windows, info->cache);
-  const bool stays = info->cache && info->cache->keeps && info->cache->identity == info->scene->identity;
-  history->pages_identity = stays ? info->scene->identity : 0;
-  history->pages_revision = stays ? info->cache->revision : 0;
-  history->pages_plan = stays ? info->cache->plans : 0;
+  const plan_cache *cache = cache_of(info);
+  spread(lists, frame, windows, cache);
+  history->pages_identity = cache ? info->scene->identity : 0;
+  history->pages_revision = cache ? cache->revision : 0;
+  history->pages_plan = cache ? cache->plans : 0;
   history->pages_layers = info->light_layers;
   memcpy(history->pages_basis, frame->basis, sizeof history->pages_basis);
 }
