@@ -1,6 +1,8 @@
 /* allocations.c: each allocation of host memory fails in turn: a named error, and nothing is kept. */
 #include "support.h"
 
+#include <string.h>
+
 enum { SIDE = 16 };
 
 /* What one frame needs, in the order in which it is made. */
@@ -36,7 +38,31 @@ static csm_result make_parts(const csm_create_info *info, frame_parts *out) {
   return result;
 }
 
-/* One frame with everything in it; stops at the first error. */
+/* Frames of pages, over which one instance moves; stops at the first error. */
+static csm_result move_over_pages(const frame_parts *parts, shot *shot, const csm_instance *instance,
+                                  csm_instance_id id) {
+  csm_config config = support_config();
+  csm_stats stats = {.struct_size = sizeof stats};
+  double moved[16];
+  memcpy(moved, instance->transform, sizeof moved);
+  config.resolution = 64;
+  config.map_layout = CSM_LAYOUT_PAGES;
+  csm_result result = csm_cascades_configure(parts->cascades, &config);
+  for (int i = 0; i < 4 && !result; ++i) {
+    moved[12] += 0.1;
+    const csm_scene_batch one = {.struct_size = sizeof one, .count = 1, .ids = &id, .matrices = moved};
+    result = csm_scene_move(parts->scene, &one);
+    if (!result)
+      result = csm_render_cascades(parts->cascades, shot_frame(shot));
+  }
+  if (!result)
+    result = csm_get_stats(parts->cascades, &stats);
+  if (!result)
+    assert_true(stats.pages_copied > 0);
+  return result;
+}
+
+/* Frames with everything in them; stops at the first error. */
 static csm_result run_all(record *record) {
   frame_parts parts = {0};
   support_scene scene;
@@ -63,6 +89,8 @@ static csm_result run_all(record *record) {
       .struct_size = sizeof read, .source = CSM_READ_MASK, .view = parts.view, .data = data, .size = sizeof data};
   if (!result)
     result = csm_read(parts.context, &read);
+  if (!result)
+    result = move_over_pages(&parts, &scene.shot, &scene.instances[1], ids[1]);
   csm_destroy(parts.context);
   return result;
 }
