@@ -58,6 +58,8 @@ bool plan_has_moments(const csm_config *config);
 bool plan_is_soft(const csm_config *config);
 /* Whether rays decide where maps do not. */
 bool plan_has_rays(const csm_config *config);
+/* Whether masks search for blockers by the nearest depths around a place. */
+bool plan_has_ranges(const csm_config *config);
 /* Whether pixels of a mask share what their rays found. */
 bool plan_shares_rays(const csm_config *config);
 /* Whether maps are made of pages that stay. */

@@ -13,3 +13,8 @@ bool plan_has_rays(const csm_config *config) {
 bool plan_shares_rays(const csm_config *config) {
   return config->filter == CSM_FILTER_EXACT_SOFT && config->ray_share && config->history == CSM_HISTORY_OFF;
 }
+
+bool plan_has_ranges(const csm_config *config) {
+  return config->filter == CSM_FILTER_EXACT_SOFT && config->soft_penumbra == CSM_PENUMBRA_LIGHT &&
+         !plan_has_pages(config);
+}

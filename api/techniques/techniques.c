@@ -7,10 +7,12 @@
 #include "techniques/maps/maps.h"
 #include "techniques/mask/mask.h"
 #include "techniques/moments/moments.h"
+#include "techniques/ranges/ranges.h"
 #include "techniques/rays/instances.h"
 #include "techniques/rays/rays.h"
 
-static const technique *const of_cascades[] = {&technique_maps, &technique_moments, &technique_ray_instances};
+static const technique *const of_cascades[] = {&technique_maps, &technique_moments, &technique_ranges,
+                                               &technique_ray_instances};
 static const technique *const of_views[] = {&technique_camera_depth, &technique_mask, &technique_rays,
                                             &technique_history, &technique_depth_samples};
 

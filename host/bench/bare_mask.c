@@ -213,7 +213,7 @@ static VkResult make_pipeline(bare_mask *m, VkShaderModule vertex, const void *c
 }
 
 static VkResult make_pipelines(bare_mask *m) {
-  const gpu_code *seven = shader_find(shader_key_mask(CSM_FILTER_PCF_7X7, CSM_BIAS_SLOPE, 0, 0, 0));
+  const gpu_code *seven = shader_find(shader_key_mask(CSM_FILTER_PCF_7X7, CSM_BIAS_SLOPE, 0, 0, 0, 0));
   VkShaderModule vertex;
   VkResult result = vulkan_shader(&m->vulkan, shader_mask_vs.spirv, shader_mask_vs.spirv_size, &vertex);
   if (result)

@@ -101,7 +101,7 @@ static uint64_t map_bytes(const stage_stats *stats) {
 }
 
 static uint64_t moment_bytes(const stage_stats *stats) {
-  return stats->maps.moment_bytes;
+  return stats->maps.moment_bytes + stats->maps.range_bytes;
 }
 
 static uint64_t tree_bytes(const stage_stats *stats) {

@@ -121,7 +121,7 @@ static int time_point(report_point *point, stage *s, uint32_t backend, uint32_t 
     point->samples[backend][i][round] = times[i];
   if (backend == 0) {
     point->map_bytes = stats.maps.map_bytes;
-    point->moment_bytes = stats.maps.moment_bytes;
+    point->moment_bytes = stats.maps.moment_bytes + stats.maps.range_bytes;
     point->view_bytes = stats.mask.bytes;
   }
   return 0;

@@ -251,6 +251,7 @@ static void median_times(stage_stats *out, const stage_stats timed[TIMED_FRAMES]
   out->mask.history_gpu_ms = middle_of_three(a->mask.history_gpu_ms, b->mask.history_gpu_ms, c->mask.history_gpu_ms);
   out->mask.rays_gpu_ms = middle_of_three(a->mask.rays_gpu_ms, b->mask.rays_gpu_ms, c->mask.rays_gpu_ms);
   out->maps.moments_gpu_ms = middle_of_three(a->maps.moments_gpu_ms, b->maps.moments_gpu_ms, c->maps.moments_gpu_ms);
+  out->maps.ranges_gpu_ms = middle_of_three(a->maps.ranges_gpu_ms, b->maps.ranges_gpu_ms, c->maps.ranges_gpu_ms);
   for (uint32_t k = 0; k < out->maps.cascade_count; k++)
     out->maps.cascades[k].gpu_ms =
         middle_of_three(a->maps.cascades[k].gpu_ms, b->maps.cascades[k].gpu_ms, c->maps.cascades[k].gpu_ms);
@@ -327,8 +328,10 @@ int stage_capture(stage *s, stage_frame *out) {
   const csm_config *config = &s->setup->config;
   for (uint32_t i = TIMED_FRAMES + 1; config->history && code == 0 && i < config->history_frames; i++)
     code = stage_draw(s, &timed[0]);
+  /* A history would forget what is stirred; its ranges are not timed then */
+  const bool keeps_some = timed[0].maps.moment_bytes || (timed[0].maps.range_bytes && !config->history);
   for (int i = 0; code == 0 && i < TIMED_FRAMES; i++) {
-    code = timed[0].maps.moment_bytes ? stage_stir(s) : 0;
+    code = keeps_some ? stage_stir(s) : 0;
     if (code == 0)
       code = stage_draw(s, &timed[i]);
   }
@@ -404,9 +407,8 @@ double stage_maps_ms(const stage_stats *stats) {
   return sum;
 }
 
-/* Below 0 where there are none. */
 double stage_moments_ms(const stage_stats *stats) {
-  return fmax(stats->maps.moments_gpu_ms, 0.0);
+  return fmax(stats->maps.moments_gpu_ms, 0.0) + fmax(stats->maps.ranges_gpu_ms, 0.0);
 }
 
 double stage_mask_ms(const stage_stats *stats) {

@@ -126,7 +126,7 @@ void stage_frame_free(stage_frame *frame);
 /* Texels of a cascade's map. */
 size_t stage_map_texels(const stage_frame *frame, uint32_t cascade);
 
-/* Milliseconds on the GPU: of the clear and every cascade, of their moments, of the mask alone, of its history; of all
+/* Milliseconds on the GPU: of the clear and every cascade, of their moments or ranges, of the mask alone, of its history; of all
  * these; of the mask and the camera's depth. */
 double stage_maps_ms(const stage_stats *stats);
 double stage_moments_ms(const stage_stats *stats);

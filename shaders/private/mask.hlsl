@@ -32,7 +32,13 @@ Texture2D<float> camera_depth : register(t1);
 Texture2DArray<float4> csm_moments : register(t2);
 SamplerState csm_linear : register(s2);
 #endif
-#if MASK_NORMALS && MASK_MOMENTS
+#if MASK_RANGES
+#include "private/reach.hlsl"
+#define CSM_REACH(spot, reach)                                                                                         \
+    reach_of(float4(spot.depth, abs(spot.plane.x) + abs(spot.plane.y), spot.last, spot.soft), reach, spot.place,       \
+             spot.rect.z, spot.cascade)
+#endif
+#if MASK_NORMALS && (MASK_MOMENTS || MASK_RANGES)
 Texture2D<float4> normals : register(t3);
 #elif MASK_NORMALS
 Texture2D<float4> normals : register(t2);

@@ -660,6 +660,9 @@ typedef struct csm_stats {
   uint32_t pages_valid;    /* and those that then hold what they would if they were drawn */
   uint32_t pages_copied;   /* of pages_drawn: copied without what keeps moving, which was drawn over them */
   uint32_t reserved;       /* 0 */
+  double ranges_gpu_ms;    /* as csm_cascade_stats.gpu_ms: with filter exact_soft, finding how near to the light casters
+                              lie around each place; 0 if that was known */
+  uint64_t range_bytes;    /* device memory of that */
 } csm_stats;
 
 /*

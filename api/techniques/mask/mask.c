@@ -9,6 +9,7 @@
 #include "techniques/mask/mask_programs.h"
 #include "techniques/moments/moments.h"
 #include "techniques/pass_timer.h"
+#include "techniques/ranges/ranges.h"
 
 #include <string.h>
 
@@ -17,7 +18,7 @@ _Static_assert(sizeof(csm_constants) <= MASK_CASCADES_BLOCK, "MASK_CASCADES_BLOC
 _Static_assert(CSM_M_COUNT * 4 * sizeof(float) <= MASK_CAMERA_BLOCK, "MASK_CAMERA_BLOCK");
 
 /* Shapes of programs, by the samplers that they have. */
-enum { MASK_PLAIN, MASK_MOMENTS, MASK_LEVELS, MASK_PAGES, MASK_SHAPES };
+enum { MASK_PLAIN, MASK_MOMENTS, MASK_LEVELS, MASK_PAGES, MASK_RANGES, MASK_SHAPES };
 
 typedef struct mask_state {
   drawn_images mask, frame;      /* frame: one of the view's history, which has the mask then */
@@ -80,7 +81,10 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
   if (result)
     return result;
   gpu_image *moments = mask_reads_moments(run->config, show) ? moments_image(run->cascades, run->config) : NULL;
+  gpu_image *ranges = mask_reads_ranges(run->config, show) ? ranges_image(run->cascades, run->config) : NULL;
+  gpu_image *more = moments ? moments : ranges;
   const uint32_t shape = plan_has_pages(run->config)      ? MASK_PAGES
+                         : ranges                         ? MASK_RANGES
                          : !moments                       ? MASK_PLAIN
                          : run->config->moment_levels > 1 ? MASK_LEVELS
                                                           : MASK_MOMENTS;
@@ -93,8 +97,7 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
       .name = "mask",
       .program = state->program,
       .constants = {ring->buffer, ring->buffer},
-      .textures = {maps_image(run->cascades), picture->depth, moments ? moments : normals.image,
-                   moments ? normals.image : NULL},
+      .textures = {maps_image(run->cascades), picture->depth, more ? more : normals.image, more ? normals.image : NULL},
   };
   return inputs_find(&state->inputs[normals.image != NULL][shape], device, &reads, &state->input);
 }

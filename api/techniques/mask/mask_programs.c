@@ -11,6 +11,7 @@ typedef struct mask_key {
   uint64_t variant; /* of mask.ps.hlsl or mask_penumbra.ps.hlsl; 0: mask_view.ps.hlsl */
   uint64_t normals;
   uint64_t moments; /* how many levels of them are read: none, one, or more */
+  uint64_t ranges;  /* they are read */
   uint64_t repeats; /* maps go on at their other side */
   uint64_t format;
 } mask_key;
@@ -28,7 +29,8 @@ static uint64_t variant_of(const csm_config *config, bool normals) {
   return shader_key_mask((int32_t)config->filter, early ? BIAS_AS_CONFIGURED : bias, early, normals,
                          !is_plain(config)        ? GENERAL
                          : plan_has_pages(config) ? PAGES
-                                                  : PLAIN);
+                                                  : PLAIN,
+                         plan_has_ranges(config));
 }
 
 static csm_result make(gpu gpu, const void *about, gpu_program **out) {
@@ -39,7 +41,7 @@ static csm_result make(gpu gpu, const void *about, gpu_program **out) {
       .pixel = key->variant ? *shader_find(key->variant) : shader_mask_view_ps,
       .constants_count = 2,
       .constants_sizes = {MASK_CASCADES_BLOCK, MASK_CAMERA_BLOCK},
-      .texture_count = 2 + (key->moments > 0) + (key->normals > 0),
+      .texture_count = 2 + (key->moments > 0) + (key->ranges > 0) + (key->normals > 0),
       .sampler_count = key->moments ? 3 : 2,
       .samplers = {GPU_SAMPLER_POINT_CLAMP, key->repeats ? GPU_SAMPLER_POINT_REPEAT : GPU_SAMPLER_POINT_CLAMP,
                    key->moments > 1 ? GPU_SAMPLER_TRILINEAR_CLAMP : GPU_SAMPLER_LINEAR_CLAMP},
@@ -51,6 +53,10 @@ static csm_result make(gpu gpu, const void *about, gpu_program **out) {
 
 bool mask_reads_moments(const csm_config *config, uint32_t show) {
   return plan_has_moments(config) && (show == CSM_SHOW_VISIBILITY || show == CSM_SHOW_PENUMBRA);
+}
+
+bool mask_reads_ranges(const csm_config *config, uint32_t show) {
+  return plan_has_ranges(config) && show == CSM_SHOW_VISIBILITY;
 }
 
 gpu_format mask_format(const csm_config *config, uint32_t show) {
@@ -69,6 +75,7 @@ static mask_key key_of(const csm_config *config, bool normals, uint32_t show) {
                     .moments = !moments                    ? 0
                                : config->moment_levels > 1 ? 2
                                                            : 1,
+                    .ranges = mask_reads_ranges(config, show),
                     .repeats = plan_has_pages(config),
                     .format = mask_format(config, show)};
 }

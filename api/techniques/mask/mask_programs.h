@@ -14,6 +14,8 @@ gpu_format mask_format(const csm_config *config, uint32_t show);
 csm_result mask_program_create(gpu gpu, const csm_config *config, bool normals, uint32_t show, gpu_program **out);
 /* The same, made if it is the device's first. */
 csm_result mask_program(device *device, const csm_config *config, bool normals, uint32_t show, gpu_program **out);
+/* Whether it reads ranges. */
+bool mask_reads_ranges(const csm_config *config, uint32_t show);
 /* Whether it reads moments. */
 bool mask_reads_moments(const csm_config *config, uint32_t show);
 
