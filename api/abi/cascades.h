@@ -6,6 +6,12 @@
 #include "csm_constants.h"
 #include "techniques/technique.h"
 
+/* What a depth was of that a plan was made for. */
+typedef struct planned_depth {
+  uint32_t width, height; /* 0: there was none */
+  bool own;               /* csm drew it */
+} planned_depth;
+
 /* A plan, with the memory that its lists lie in, and what it was made of. */
 typedef struct planned {
   void *memory;
@@ -22,6 +28,7 @@ typedef struct planned {
   uint64_t meshes_revision;
   uint32_t instances, changed;
   csm_constants constants;
+  planned_depth seen; /* by csm_frame.depth_view */
 } planned;
 
 struct csm_cascades {

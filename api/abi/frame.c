@@ -4,6 +4,7 @@
 #include "device/clock.h"
 #include "techniques/depth_samples/depth_samples.h"
 #include "techniques/rays/instances.h"
+#include "techniques/seen_depth/seen_depth.h"
 
 #include <string.h>
 
@@ -64,7 +65,50 @@ static bool only_receivers(const csm_context *context, const csm_frame *frame) {
   return context_device(context)->own || frame->flags & CSM_FRAME_RECEIVERS;
 }
 
-static csm_result make_plan(csm_cascades *cascades, const frame_input *input, planned *out, plan_scene *scene) {
+/* What a frame's camera sees, by a depth that was drawn for this very frame. */
+typedef struct frame_depth {
+  const plan_seen_depth *seen; /* NULL: it is not known */
+  planned_depth about;
+} frame_depth;
+
+/* Whether a look was one at this frame: by its camera, and its scene as it is. */
+static csm_result check_look(csm_context *context, const view_look *look, const frame_input *input) {
+  host *host = &context->host;
+  plan_camera camera;
+  const char *text = "";
+  const plan_scene scene = scene_of(&context->assets, &input->frame.scene->store);
+  const csm_result result =
+      plan_camera_make(&camera, input->camera.view, input->camera.projection, input->camera.reversed, &text);
+  if (result)
+    return host_fail(host, result, "csm_frame: %s", text);
+  if (!view_looked_with(look, &camera))
+    return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_frame: depth_view saw what another camera sees");
+  if (look->scene != scene.identity)
+    return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_frame: depth_view saw another scene");
+  if (look->revision != scene.revision)
+    return host_fail(host, CSM_ERROR_INVALID_STATE, "csm_frame: the scene has changed since depth_view saw it");
+  return CSM_SUCCESS;
+}
+
+static csm_result find_depth(csm_context *context, const frame_input *input, frame_depth *out) {
+  const csm_view *view = input->frame.depth_view;
+  host *host = &context->host;
+  *out = (frame_depth){0};
+  if (!view)
+    return CSM_SUCCESS;
+  if (!view_known(context, view))
+    return host_fail(host, CSM_ERROR_INVALID_HANDLE, "csm_frame: depth_view is none of this context");
+  if (!input->frame.scene)
+    return host_fail(host, CSM_ERROR_INVALID_VALUE, "csm_frame: depth_view is given, and no scene");
+  csm_result result = seen_depth_collect(&view->techniques, context_device(context), &out->seen);
+  if (!result)
+    result = check_look(context, &view->look, input);
+  out->about = (planned_depth){.width = view->look.width, .height = view->look.height, .own = view->look.own};
+  return result;
+}
+
+static csm_result make_plan(csm_cascades *cascades, const frame_input *input, const frame_depth *depth, planned *out,
+                            plan_scene *scene) {
   csm_context *context = cascades->context;
   csm_result result = frame_input_scene(context, input, &out->list, scene);
   if (result)
@@ -101,6 +145,7 @@ static csm_result make_plan(csm_cascades *cascades, const frame_input *input, pl
                                 .origin = frame->origin,
                                 .scene = scene,
                                 .maps_kept = cascades->drawn,
+                                .seen = depth->seen,
                                 .all_receivers = only_receivers(context, frame),
                                 .cache = frame->scene ? &cascades->cache : NULL,
                                 .before = &cascades->history,
@@ -113,13 +158,20 @@ static csm_result make_plan(csm_cascades *cascades, const frame_input *input, pl
   out->camera = input->camera;
   out->light = input->light;
   out->flags = frame->flags;
+  out->seen = depth->about;
   out->changed = count_changed(cascades, out);
   plan_write_constants((float *)&out->constants, &out->frame, &cascades->config);
   return CSM_SUCCESS;
 }
 
+/* Whether two frames of one camera and one scene know the same of what is seen. An engine's depth may hold more than the
+ * scene. */
+static bool same_depth(const planned_depth *a, const planned_depth *b) {
+  return a->width == b->width && a->height == b->height && a->own == b->own && (a->own || !a->width);
+}
+
 /* Whether a frame of pages is the last one once more: then nothing has to be planned, or drawn. */
-static bool stands_still(const csm_cascades *cascades, const frame_input *input) {
+static bool stands_still(const csm_cascades *cascades, const frame_input *input, const frame_depth *depth) {
   const planned *last = cascades_planned(cascades);
   const csm_frame *frame = &input->frame;
   const plan_frame *plan = &last->frame;
@@ -128,7 +180,7 @@ static bool stands_still(const csm_cascades *cascades, const frame_input *input)
          planned_current(cascades) && !frame->draw && cascades->config.depth_samples == CSM_DEPTH_SAMPLES_OFF &&
          memcmp(&input->camera, &last->camera, sizeof last->camera) == 0 &&
          memcmp(&input->light, &last->light, sizeof last->light) == 0 &&
-         memcmp(origin, plan->origin, sizeof plan->origin) == 0 &&
+         memcmp(origin, plan->origin, sizeof plan->origin) == 0 && same_depth(&depth->about, &last->seen) &&
          !((frame->flags ^ last->flags) & CSM_FRAME_RECEIVERS);
 }
 
@@ -164,15 +216,18 @@ csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame 
   if (result)
     return result;
   frame_input input;
+  frame_depth depth = {0};
   plan_scene scene;
-  const double begin_ms = clock_ms();
   result = frame_input_read(cascades->context, in, true, &input);
-  const bool still = !result && stands_still(cascades, &input);
+  if (!result)
+    result = find_depth(cascades->context, &input, &depth);
+  const double begin_ms = clock_ms();
+  const bool still = !result && stands_still(cascades, &input, &depth);
   planned *next = &cascades->plans[still ? cascades->current : !cascades->current];
   if (still)
     plan_again(next, cascades->context, &scene);
   else if (!result)
-    result = make_plan(cascades, &input, next, &scene);
+    result = make_plan(cascades, &input, &depth, next, &scene);
   if (result)
     return result;
   const double planned_ms = clock_ms();

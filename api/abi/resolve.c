@@ -1,6 +1,9 @@
 #include "abi/cascades.h"
 #include "abi/frame_input.h"
 #include "abi/view.h"
+#include "techniques/camera_depth/camera_depth.h"
+
+#include <string.h>
 
 enum { largest_mask = 16384 };
 
@@ -11,7 +14,8 @@ typedef struct resolve {
   plan_camera camera;
   plan_camera depth_camera; /* that the depth is of */
   plan_scene scene;
-  plan_list seen; /* empty if the engine brings its depth */
+  plan_list seen;  /* empty if the engine brings its depth, or it is kept */
+  bool depth_kept; /* a reduction drew the depth */
 } resolve;
 
 static csm_result check_info(csm_context *context, const csm_mask_info *info) {
@@ -40,17 +44,19 @@ static csm_result read_info(csm_context *context, const csm_mask_info *in, resol
   return result ? result : frame_input_read(context, info->frame, false, &out->input);
 }
 
-/* The camera, and which instances it sees, in the context's scratch memory. */
-static csm_result look(csm_context *context, resolve *r) {
+static csm_result read_camera(csm_context *context, resolve *r) {
   const csm_camera *camera = &r->input.camera;
   const char *text = "";
-  csm_result result = plan_camera_make(&r->camera, camera->view, camera->projection, camera->reversed, &text);
-  if (result)
-    return host_fail(&context->host, result, "csm_frame: %s", text);
+  const csm_result result = plan_camera_make(&r->camera, camera->view, camera->projection, camera->reversed, &text);
   r->depth_camera = r->camera;
-  if (r->info.camera_depth)
+  return result ? host_fail(&context->host, result, "csm_frame: %s", text) : CSM_SUCCESS;
+}
+
+/* Which instances the camera sees, in the context's scratch memory. */
+static csm_result look(csm_context *context, resolve *r) {
+  if (r->info.camera_depth || r->depth_kept)
     return CSM_SUCCESS;
-  result = frame_input_scene(context, &r->input, &context->list, &r->scene);
+  csm_result result = frame_input_scene(context, &r->input, &context->list, &r->scene);
   if (!result)
     result = host_grow(&context->host, &context->scratch, &context->scratch_size,
                        plan_memory_size(r->scene.slot_count, r->scene.mesh_count, 0));
@@ -58,6 +64,35 @@ static csm_result look(csm_context *context, resolve *r) {
     return result;
   plan_view_make(&r->seen, &r->camera, &r->scene, context->scratch);
   plan_depth_camera_make(&r->depth_camera, &r->camera, &r->seen, &r->scene);
+  return CSM_SUCCESS;
+}
+
+/* Takes over what the view's reduction drew, if that is what this mask would draw. */
+static void keep_depth(csm_context *context, const csm_view *view, resolve *r) {
+  const view_look *look = &view->look;
+  const csm_scene *scene = r->input.frame.scene;
+  if (r->info.camera_depth || !scene || !camera_depth_kept(&view->techniques))
+    return;
+  const plan_scene now = scene_of(&context->assets, &scene->store);
+  r->depth_kept = look->own && look->scene == now.identity && look->revision == now.revision &&
+                  look->width == r->info.width && look->height == r->info.height && view_looked_with(look, &r->camera);
+  if (r->depth_kept)
+    r->depth_camera = look->depth_camera;
+}
+
+/* Maps that were drawn for a depth hold nothing for another picture. */
+static csm_result check_depth(csm_context *context, const planned *planned, const resolve *r) {
+  const plan_camera *camera = &planned->frame.camera;
+  if (planned->frame.cells_by != CSM_CELLS_DEPTH)
+    return CSM_SUCCESS;
+  if (planned->seen.width != r->info.width || planned->seen.height != r->info.height)
+    return host_fail(&context->host, CSM_ERROR_INVALID_VALUE,
+                     "csm_mask_info: %u x %u, and the maps were drawn for a depth of %u x %u", r->info.width,
+                     r->info.height, planned->seen.width, planned->seen.height);
+  if (memcmp(camera->view, r->camera.view, sizeof camera->view) != 0 ||
+      memcmp(camera->projection, r->camera.projection, sizeof camera->projection) != 0)
+    return host_fail(&context->host, CSM_ERROR_INVALID_VALUE,
+                     "csm_mask_info: the maps were drawn for the depth of another camera");
   return CSM_SUCCESS;
 }
 
@@ -77,18 +112,23 @@ static csm_result check_shown(csm_context *context, const csm_config *config, ui
   return CSM_SUCCESS;
 }
 
+static technique_picture picture_of(const resolve *r) {
+  return (technique_picture){.width = r->info.width,
+                             .height = r->info.height,
+                             .show = r->info.show,
+                             .camera = &r->camera,
+                             .depth_camera = &r->depth_camera,
+                             .scene = &r->scene,
+                             .seen = &r->seen,
+                             .depth_kept = r->depth_kept,
+                             .engines_depth = r->info.camera_depth,
+                             .engines_normals = r->info.normals,
+                             .engines_motion = r->info.motion};
+}
+
 static csm_result record(csm_view *view, csm_cascades *cascades, const resolve *r) {
   const planned *planned = cascades_planned(cascades);
-  technique_picture picture = {.width = r->info.width,
-                               .height = r->info.height,
-                               .show = r->info.show,
-                               .camera = &r->camera,
-                               .depth_camera = &r->depth_camera,
-                               .scene = &r->scene,
-                               .seen = &r->seen,
-                               .engines_depth = r->info.camera_depth,
-                               .engines_normals = r->info.normals,
-                               .engines_motion = r->info.motion};
+  technique_picture picture = picture_of(r);
   technique_run run = {.device = context_device(view->context),
                        .config = &cascades->config,
                        .settings = cascades->settings,
@@ -120,7 +160,13 @@ csm_result CSM_CALL csm_resolve_mask(csm_view *view, csm_cascades *cascades, con
   if (!result)
     result = cascades_drawn(cascades);
   if (!result)
-    result = look(context, &r);
+    result = read_camera(context, &r);
+  if (!result)
+    result = check_depth(context, cascades_planned(cascades), &r);
+  if (result)
+    return result;
+  keep_depth(context, view, &r);
+  result = look(context, &r);
   if (!result)
     result = record(view, cascades, &r);
   if (result)
@@ -128,5 +174,49 @@ csm_result CSM_CALL csm_resolve_mask(csm_view *view, csm_cascades *cascades, con
   view->cascades = cascades;
   view->renders = cascades->renders;
   technique_set_drop_unwanted(&view->techniques, context_device(context), &cascades->config);
+  return CSM_SUCCESS;
+}
+
+/* ---- depth, before there are maps ---- */
+
+static csm_result record_reduction(csm_view *view, const resolve *r) {
+  technique_picture picture = picture_of(r);
+  picture.reduces = true;
+  technique_run run = {.device = context_device(view->context),
+                       .frame = &r->input.frame,
+                       .timestamps = (r->info.flags | r->input.frame.flags) & CSM_FRAME_TIMESTAMPS,
+                       .view = &view->techniques,
+                       .picture = &picture};
+  technique_times times;
+  return technique_run_record(&run, &times);
+}
+
+csm_result CSM_CALL csm_reduce_depth(csm_view *view, const csm_mask_info *in) {
+  if (!view)
+    return CSM_ERROR_NULL_POINTER;
+  csm_context *context = view->context;
+  resolve r = {0};
+  csm_result result = context_usable(context);
+  if (!result)
+    result = read_info(context, in, &r);
+  if (!result && !r.input.frame.scene)
+    result = host_fail(&context->host, CSM_ERROR_INVALID_VALUE,
+                       "csm_reduce_depth: no scene is given, and of a list nobody knows whether it is the next one");
+  if (!result)
+    result = read_camera(context, &r);
+  if (!result)
+    result = look(context, &r);
+  if (!result)
+    result = record_reduction(view, &r);
+  if (result)
+    return result;
+  const plan_scene scene = scene_of(&context->assets, &r.input.frame.scene->store);
+  view->look = (view_look){.scene = scene.identity,
+                           .revision = scene.revision,
+                           .camera = r.camera,
+                           .depth_camera = r.depth_camera,
+                           .width = r.info.width,
+                           .height = r.info.height,
+                           .own = !r.info.camera_depth};
   return CSM_SUCCESS;
 }

@@ -32,6 +32,8 @@ csm_result CSM_CALL csm_get_stats(csm_cascades *cascades, csm_stats *out) {
     stats.record_ms = cascades->record_ms;
     stats.instances = cascades_planned(cascades)->instances;
     stats.instances_changed = cascades_planned(cascades)->changed;
+    stats.cells_by = cascades_planned(cascades)->frame.cells_by;
+    stats.cells_read = cascades_planned(cascades)->frame.cells_read;
   }
   technique_set_tell(&cascades->techniques, device, &stats);
   struct_write(out, sizeof stats, &stats);

@@ -1,10 +1,19 @@
 #include "abi/view.h"
 
+#include <string.h>
+
 bool view_known(const csm_context *context, const csm_view *view) {
   const csm_view *known = context->views;
   while (known && known != view)
     known = known->next;
   return known;
+}
+
+bool view_looked_with(const view_look *look, const plan_camera *camera) {
+  const plan_camera *seen = &look->camera;
+  return memcmp(seen->view, camera->view, sizeof seen->view) == 0 &&
+         memcmp(seen->projection, camera->projection, sizeof seen->projection) == 0 &&
+         seen->reversed == camera->reversed;
 }
 
 csm_result CSM_CALL csm_view_create(csm_context *context, csm_view **out) {

@@ -242,6 +242,9 @@ csm_result recording_end(device *device);
 bool recording_expect_timing(device *device, const timing_sink *sink, uint32_t count, uint32_t *first);
 /* What was measured for a sink's user goes nowhere. */
 void recording_forget_timing(device *device, const void *user);
+/* Waits until a frame is done, on an own device. Errors: INVALID_STATE (an engine's frame is not retired), those of
+   waiting. */
+csm_result recording_wait(device *device, uint64_t serial);
 /* Own device: waits until every recording is done, and takes over what they measured. Else does nothing. */
 csm_result recording_finish(device *device);
 /* Engine's device: frames up to `frame` are done. */

@@ -124,6 +124,16 @@ static uint32_t oldest_slot(const device *device, uint32_t i) {
   return (device->slot + 1 + i) % device->slot_count;
 }
 
+csm_result recording_wait(device *device, uint64_t serial) {
+  csm_result result = CSM_SUCCESS;
+  if (serial > device->done && !device->own)
+    return host_fail(device->host, CSM_ERROR_INVALID_STATE, "frame %llu is not retired yet",
+                     (unsigned long long)serial);
+  for (uint32_t i = 0; i < device->slot_count && serial > device->done && !result; ++i)
+    result = wait_for_slot(device, oldest_slot(device, i));
+  return result;
+}
+
 csm_result recording_finish(device *device) {
   if (!device->own)
     return CSM_SUCCESS;

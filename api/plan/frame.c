@@ -127,17 +127,28 @@ static void begin_lists(plan_frame *frame, plan_lists *lists, uint32_t windows, 
   plan_lists_room(lists, scene);
 }
 
+static uint32_t count_read(const plan_cells *cells, uint32_t count) {
+  uint32_t read = 0;
+  for (uint32_t i = 0; i < count; ++i)
+    for (uint32_t y = 0; y < PLAN_CELLS; ++y)
+      for (uint64_t row = cells[i].read[y]; row; row &= row - 1)
+        ++read;
+  return read;
+}
+
 /* Leaves out what lies over no cell of a map that is read, and, of pages, over none that is to be drawn. */
 static void cull_by_cells(plan_frame *frame, const fitted *fitted, const plan_frame_info *info, plan_lists *lists,
                           const plan_light_cull *cull, const plan_kept *kept) {
   plan_cells cells[PLAN_WINDOWS_MOST];
-  const bool by_receivers = info->config->caster_set == CSM_CASTER_SET_VIEW && info->all_receivers;
-  if (by_receivers)
+  if (info->config->caster_set == CSM_CASTER_SET_VIEW)
+    frame->cells_by = info->seen ? CSM_CELLS_DEPTH : info->all_receivers ? CSM_CELLS_RECEIVERS : CSM_CELLS_ALL;
+  if (frame->cells_by != CSM_CELLS_ALL)
     plan_read_cells(cells, frame, fitted->areas, info);
   else if (frame->pages)
     plan_seen_cells(cells, frame, fitted->areas, info->config);
   else
     return;
+  frame->cells_read = count_read(cells, frame->cascade_count);
   plan_cull_unread(lists, cells, cull, kept, info->scene);
   if (!frame->pages)
     return;

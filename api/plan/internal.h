@@ -392,9 +392,23 @@ void plan_cull_parts(plan_lists *lists, const plan_cells *cells, const double ba
                      uint32_t slot, const double low[2], const double high[2]);
 
 /* ---- receivers ---- */
+/* Where receivers lie: in light space, and along the view. */
+typedef struct plan_receiver_box {
+  double low[3], high[3], depths[2];
+} plan_receiver_box;
+
+/* Who gets boxes, one after the other. */
+typedef struct plan_box_sink {
+  void (*take)(void *user, const plan_receiver_box *box);
+  void *user;
+} plan_box_sink;
+
+/* Tells boxes that hold all surfaces of a picture that lie before a view depth: seen_depth.c. */
+void plan_seen_walk(const plan_seen_depth *seen, const plan_frame *frame, double end, const plan_box_sink *sink);
 /* Whether a camera sees any receiver, up to a view depth. */
 bool plan_sees_receivers(const plan_camera *camera, const plan_scene *scene, double end);
-/* Which cells of each cascade's map are read for the receivers that the frame's camera sees. The maps are placed. */
+/* Which cells of each cascade's map are read for the receivers that the frame's camera sees: by its depth, if that is
+ * there, or by all receivers that it may see. The maps are placed. */
 void plan_read_cells(plan_cells *cells, const plan_frame *frame, const plan_area *areas, const plan_frame_info *info);
 /* Likewise, of maps that may be read wherever the camera sees, or, with caster_set map, everywhere. */
 void plan_seen_cells(plan_cells *cells, const plan_frame *frame, const plan_area *areas, const csm_config *config);

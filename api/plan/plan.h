@@ -217,6 +217,32 @@ typedef struct plan_depth_samples {
 /* Whether a view looked where its maps did, so that they are fitted to what it saw. A reflection does not. */
 bool plan_depth_samples_count(const plan_depth_samples *samples, double margin);
 
+/* How far a number that an image holds may be from what it stands for. */
+typedef struct plan_grain {
+  double share; /* of itself */
+  double step;  /* and so much more */
+} plan_grain;
+
+enum { PLAN_SEEN_PX = 16, PLAN_SEEN_SLOTS = 32 };
+
+/*
+ * What a square of so many pixels holds. Nearness is a depth of a reversed buffer, or 1 less that of another. Slot i has
+ * a surface if bit i is set of `slots`, which are two whole numbers of 16 bits. The bits of floats from the least
+ * nearness on are divided into slots, each of a power of two of them, the least by which there are no more than 32.
+ */
+typedef struct plan_seen_tile {
+  float nearness[2]; /* the least and the greatest; the first above the second: no surface */
+  float slots[2];
+} plan_seen_tile;
+
+/* What this frame's camera sees, by its depth: tiles in rows from the top. */
+typedef struct plan_seen_depth {
+  plan_camera camera; /* that the depth is of */
+  uint32_t width, height, columns, rows;
+  plan_grain rounding; /* of the depth */
+  const plan_seen_tile *tiles;
+} plan_seen_depth;
+
 enum { PLAN_CELLS = 64 }; /* of a map, across and up; the pages of one that is made of pages */
 
 /*
@@ -338,6 +364,8 @@ typedef struct plan_frame {
       *drawn; /* by slot: bit i is set if cascade i draws it, or of pages if it lies over one that is read; NULL
                            if there are no slots */
   uint32_t slot_count;
+  uint32_t cells_by;            /* CSM_CELLS_* */
+  uint32_t cells_read;          /* of all maps */
   const double (*to_light)[12]; /* by slot: what the cache keeps, until it is used again; NULL: nothing */
   plan_history history;         /* for the next frame */
 } plan_frame;
@@ -371,6 +399,7 @@ typedef struct plan_frame_info {
   const double *origin;                    /* 3; NULL: the camera's position */
   const plan_scene *scene;
   bool maps_kept;                    /* the maps hold what the frame `before` left there */
+  const plan_seen_depth *seen;       /* what the frame's camera sees, and nothing else is asked for; NULL: not known */
   bool all_receivers;                /* no surfaces but the scene's receivers are asked for visibility */
   plan_cache *cache;                 /* may be NULL */
   const plan_history *before;        /* the last frame's; may be NULL */
@@ -430,12 +459,6 @@ void plan_write_view_matrices(float *out, const plan_list *list, const plan_came
 
 /* The block that shaders/include/csm_constants.h lays out, relative to frame->origin. Returns its bytes. */
 uint32_t plan_write_constants(float *out, const plan_frame *frame, const csm_config *config);
-/* How far a number that an image holds may be from what it stands for. */
-typedef struct plan_grain {
-  double share; /* of itself */
-  double step;  /* and so much more */
-} plan_grain;
-
 /* What a mask is drawn for. */
 typedef struct plan_picture {
   const plan_camera *camera; /* that its depth is of */

@@ -267,12 +267,7 @@ static void make_reader(reader *out, plan_cells *cells, const reading *of, uint3
       note_cell(out, of, &hull, finer, (uint32_t[]){x, y});
 }
 
-/* A receiver's box: in light space, and along the view. */
-typedef struct receiver_box {
-  double low[3], high[3], depths[2];
-} receiver_box;
-
-static void find_box(receiver_box *out, const plan_frame *frame, const plan_placed *placed) {
+static void find_box(plan_receiver_box *out, const plan_frame *frame, const plan_placed *placed) {
   for (int axis = 0; axis < 3; ++axis) {
     const double *direction = &frame->basis[axis * 3];
     const double middle = plan_dot(placed->center, direction) + plan_dot(frame->camera.position, direction);
@@ -287,7 +282,7 @@ static void find_box(receiver_box *out, const plan_frame *frame, const plan_plac
 }
 
 /* The cells of a map that may be read for what lies in a box; false: none. */
-static bool find_reach(cell_rect *out, const reader *to, const receiver_box *box) {
+static bool find_reach(cell_rect *out, const reader *to, const plan_receiver_box *box) {
   const double low[2] = {box->low[0] - to->room, box->low[1] - to->room};
   const double high[2] = {box->high[0] + to->room, box->high[1] + to->room};
   return box->depths[0] <= to->depths[1] && box->depths[1] >= to->depths[0] && find_cells(out, to->cells, low, high);
@@ -295,7 +290,7 @@ static bool find_reach(cell_rect *out, const reader *to, const receiver_box *box
 
 /* Marks the cells that are read for what lies in a box; a finer map that holds all of it along the light is read in
  * its stead. */
-static void mark(const reader *readers, uint32_t count, const receiver_box *box) {
+static void mark(const reader *readers, uint32_t count, const plan_receiver_box *box) {
   bool held[CSM_MAX_CASCADES];
   for (uint32_t i = 0; i < count; ++i) {
     const reader *to = &readers[i];
@@ -313,7 +308,7 @@ static void mark(const reader *readers, uint32_t count, const receiver_box *box)
 }
 
 /* Whether a box lies over so many cells of a map that it is worth looking at its parts. */
-static bool lies_over_many(const reader *readers, uint32_t count, const receiver_box *box) {
+static bool lies_over_many(const reader *readers, uint32_t count, const plan_receiver_box *box) {
   bool many = false;
   cell_rect rect;
   for (uint32_t i = 0; i < count && !many; ++i)
@@ -326,7 +321,7 @@ static void mark_parts(const reader *readers, const plan_frame *frame, const vie
                        const plan_instance *instance, const plan_parts *parts) {
   for (uint32_t i = 0; i < parts->count; ++i) {
     plan_placed placed;
-    receiver_box box;
+    plan_receiver_box box;
     place_before(&placed, &frame->camera, instance, parts->parts[i].center, parts->parts[i].extent);
     if (outside_planes(planes, &placed))
       continue;
@@ -335,32 +330,50 @@ static void mark_parts(const reader *readers, const plan_frame *frame, const vie
   }
 }
 
-void plan_read_cells(plan_cells *cells, const plan_frame *frame, const plan_area *areas, const plan_frame_info *info) {
-  reading of = {.frame = frame,
-                .areas = areas,
-                .config = info->config,
-                .narrowed = info->sample_count || frame->camera.orthographic};
-  const plan_scene *scene = info->scene;
+/* Those who read the maps of a frame. */
+typedef struct readers {
   reader readers[CSM_MAX_CASCADES];
+  uint32_t count;
+} readers;
+
+static void mark_seen(void *user, const plan_receiver_box *box) {
+  const readers *all = user;
+  mark(all->readers, all->count, box);
+}
+
+static void mark_receivers(const readers *all, const plan_frame *frame, const plan_scene *scene, double end) {
   view_planes planes;
-  for (uint32_t i = 0; i < frame->cascade_count; ++i)
-    of.borders[i] = find_border(&of, i);
-  for (uint32_t i = 0; i < frame->cascade_count; ++i)
-    make_reader(&readers[i], &cells[i], &of, i);
-  shadow_planes(&planes, &frame->camera, frame->cascades[frame->cascade_count - 1].info.far_depth);
+  shadow_planes(&planes, &frame->camera, end);
   for (uint32_t slot = 0; slot < scene->slot_count; ++slot) {
     plan_placed placed;
-    receiver_box box;
+    plan_receiver_box box;
     const plan_instance *instance = &scene->instances[slot];
     if (!is_seen(&placed, &planes, &frame->camera, scene, instance))
       continue;
     find_box(&box, frame, &placed);
     const plan_parts parts = plan_parts_of(scene, instance);
-    if (parts.count && lies_over_many(readers, frame->cascade_count, &box))
-      mark_parts(readers, frame, &planes, instance, &parts);
+    if (parts.count && lies_over_many(all->readers, all->count, &box))
+      mark_parts(all->readers, frame, &planes, instance, &parts);
     else
-      mark(readers, frame->cascade_count, &box);
+      mark(all->readers, all->count, &box);
   }
+}
+
+void plan_read_cells(plan_cells *cells, const plan_frame *frame, const plan_area *areas, const plan_frame_info *info) {
+  reading of = {.frame = frame,
+                .areas = areas,
+                .config = info->config,
+                .narrowed = info->sample_count || frame->camera.orthographic};
+  readers all = {.count = frame->cascade_count};
+  for (uint32_t i = 0; i < frame->cascade_count; ++i)
+    of.borders[i] = find_border(&of, i);
+  for (uint32_t i = 0; i < frame->cascade_count; ++i)
+    make_reader(&all.readers[i], &cells[i], &of, i);
+  const double end = frame->cascades[frame->cascade_count - 1].info.far_depth;
+  if (info->seen)
+    plan_seen_walk(info->seen, frame, end + depth_rounding(end), &(plan_box_sink){.take = mark_seen, .user = &all});
+  else
+    mark_receivers(&all, frame, info->scene, end);
 }
 
 void plan_seen_cells(plan_cells *cells, const plan_frame *frame, const plan_area *areas, const csm_config *config) {

@@ -38,6 +38,8 @@ typedef struct technique_picture {
   const plan_camera *depth_camera; /* that the depth is of: the same, or csm's own, if the depth is */
   const plan_scene *scene;
   const plan_list *seen;     /* of the scene, by the camera; empty if the engine brings its depth */
+  bool reduces;              /* its depth is reduced, before maps are drawn, and no mask is */
+  bool depth_kept;           /* csm's own depth was drawn by a reduction already */
   const void *engines_depth; /* csm_vulkan_image, csm_d3d12_image, or NULL; as in csm_mask_info */
   const void *engines_normals, *engines_motion;
   gpu_image *depth; /* out, of technique_camera_depth: readable once that is recorded */
@@ -51,13 +53,13 @@ typedef struct technique_picture {
 /* One recording on its way through the techniques. */
 typedef struct technique_run {
   device *device;
-  const csm_config *config;
-  uint64_t settings;       /* another number for each configuration of each cascades */
-  uint64_t changes;        /* of a picture: how often the cascades' shadows had changed */
-  const plan_frame *plan;  /* of the cascades */
-  const void *constants;   /* csm_constants of csm_constants.h */
-  uint32_t constants_size; /* in bytes */
-  const csm_frame *frame;  /* frame, command_buffer, draw */
+  const csm_config *config; /* NULL for a reduction, as `plan` and `constants` are */
+  uint64_t settings;        /* another number for each configuration of each cascades */
+  uint64_t changes;         /* of a picture: how often the cascades' shadows had changed */
+  const plan_frame *plan;   /* of the cascades */
+  const void *constants;    /* csm_constants of csm_constants.h */
+  uint32_t constants_size;  /* in bytes */
+  const csm_frame *frame;   /* frame, command_buffer, draw */
   bool timestamps;
   technique_set *cascades;
   uint32_t same;              /* bit i: cascade i's map comes out as that of the frame before did; 0 for a picture */
@@ -92,8 +94,12 @@ typedef struct technique_image {
   const plan_camera *read_as;    /* to this one's, or, if NULL, to view depths */
 } technique_image;
 
+/* Which recordings of its owner a technique runs in. */
+typedef enum technique_when { TECHNIQUE_SHADOWS, TECHNIQUE_REDUCTION, TECHNIQUE_BOTH } technique_when;
+
 struct technique {
   const char *name;
+  technique_when when;
   size_t state_size; /* of zeroed memory, for each owner */
   /* Whether a configuration asks for it. */
   bool (*wanted)(const csm_config *config);

@@ -10,11 +10,12 @@
 #include "techniques/ranges/ranges.h"
 #include "techniques/rays/instances.h"
 #include "techniques/rays/rays.h"
+#include "techniques/seen_depth/seen_depth.h"
 
 static const technique *const of_cascades[] = {&technique_maps, &technique_moments, &technique_ranges,
                                                &technique_ray_instances};
-static const technique *const of_views[] = {&technique_camera_depth, &technique_mask, &technique_rays,
-                                            &technique_history, &technique_depth_samples};
+static const technique *const of_views[] = {&technique_camera_depth, &technique_seen_depth, &technique_mask,
+                                            &technique_rays,         &technique_history,    &technique_depth_samples};
 
 enum {
   OF_CASCADES = sizeof of_cascades / sizeof of_cascades[0],
@@ -106,12 +107,18 @@ typedef struct running {
   uint64_t offsets[TECHNIQUE_MAX + 1]; /* of each one's piece of the ring; the last is the size of all */
 } running;
 
+static bool runs(const technique *technique, const technique_run *run) {
+  const bool reduces = run->picture && run->picture->reduces;
+  return technique->when != (reduces ? TECHNIQUE_SHADOWS : TECHNIQUE_REDUCTION) &&
+         (reduces || technique->wanted(run->config));
+}
+
 static void choose(running *out, const technique_run *run) {
   const technique_set *set = run->view ? run->view : run->cascades;
   *out = (running){0};
   for (uint32_t i = 0; i < set->count; ++i) {
     const technique *technique = set->techniques[i];
-    if (!technique->wanted(run->config))
+    if (!runs(technique, run))
       continue;
     const uint64_t size = technique->size(set->states[i], run);
     out->techniques[out->count] = technique;

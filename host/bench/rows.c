@@ -1,5 +1,6 @@
 #include "bench/rows.h"
 #include "base/host.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,13 +23,26 @@ typedef struct group {
   const bench_table *table;
 } group;
 
+static csm_mask_info mask_of(const lane *l, uint32_t flags) {
+  return (csm_mask_info){.struct_size = sizeof(csm_mask_info),
+                         .flags = flags,
+                         .frame = &l->stage->frame,
+                         .width = l->stage->setup->width,
+                         .height = l->stage->setup->height};
+}
+
 static csm_result resolve(const lane *l, uint32_t flags) {
-  const csm_mask_info info = {.struct_size = sizeof info,
-                              .flags = flags,
-                              .frame = &l->stage->frame,
-                              .width = l->stage->setup->width,
-                              .height = l->stage->setup->height};
+  const csm_mask_info info = mask_of(l, flags);
   return csm_resolve_mask(l->view, l->cascades, &info);
+}
+
+/* Draws the cascades, after a look at the depth if they are drawn for it. */
+static csm_result render(const lane *l) {
+  const csm_mask_info info = mask_of(l, 0);
+  csm_frame frame = l->stage->frame;
+  frame.depth_view = l->row->depth ? l->view : NULL;
+  const csm_result result = l->row->depth ? csm_reduce_depth(l->view, &info) : CSM_SUCCESS;
+  return result ? result : csm_render_cascades(l->cascades, &frame);
 }
 
 static int add_lane(group *g, stage *s, const bench_row *row, uint32_t pairs) {
@@ -37,8 +51,7 @@ static int add_lane(group *g, stage *s, const bench_row *row, uint32_t pairs) {
   if (!s)
     return 0;
   s->frame.flags = 0;
-  if (csm_view_create(s->context, &l->view) || csm_cascades_create(s->context, &row->config, &l->cascades) ||
-      csm_render_cascades(l->cascades, &s->frame))
+  if (csm_view_create(s->context, &l->view) || csm_cascades_create(s->context, &row->config, &l->cascades) || render(l))
     return host_fail(HOST_NO_DEVICE, "%s: %s: %s", s->backend, row->name, csm_last_error(s->context));
   return 0;
 }
@@ -68,7 +81,7 @@ static double timed_ms(bench_timed timed, bool is_base, const stage_stats *stats
   case BENCH_MASK:
     return stage_mask_ms(stats) + stage_history_ms(stats);
   case BENCH_PLANNED:
-    return stage_maps_ms(stats) + stats->maps.plan_ms;
+    return stage_maps_ms(stats) + stats->maps.plan_ms + fmax(stats->mask.reduce_gpu_ms, 0.0);
   case BENCH_FRAME:
     return stage_shadows_ms(stats);
   case BENCH_MOMENTS:
@@ -88,7 +101,7 @@ static double draw_once(const group *g, const lane *l) {
   stage_stats stats = {.maps.struct_size = sizeof stats.maps, .mask.struct_size = sizeof stats.mask};
   csm_result result = CSM_SUCCESS;
   if (timed != BENCH_MASK)
-    result = csm_render_cascades(l->cascades, &l->stage->frame);
+    result = render(l);
   if (!result && (timed == BENCH_MASK || timed == BENCH_FRAME))
     result = resolve(l, CSM_FRAME_TIMESTAMPS);
   if (result || csm_get_stats(l->cascades, &stats.maps) || csm_get_view_stats(l->view, &stats.mask))

@@ -12,6 +12,7 @@ typedef struct bench_row {
   csm_config config;
   double most_floors; /* at most so many times the floor; 0: nothing is asked */
   double most_bases;  /* at most so many times the base; likewise */
+  bool depth; /* maps are drawn for what this frame's depth shows; reducing it counts, and drawing it does not */
 } bench_row;
 
 typedef enum bench_timed {

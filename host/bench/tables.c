@@ -169,6 +169,9 @@ void bench_table_casters(bench_table *out, const csm_config *config, const char 
   out->base.config.caster_set = CSM_CASTER_SET_MAP;
   add(out, "view")->caster_set = CSM_CASTER_SET_VIEW;
   out->rows[0].most_bases = strcmp(scene, "valley") == 0 ? 0.6 : strcmp(scene, "town") == 0 ? 0.55 : 0.0;
+  add(out, "view, by this frame's depth")->caster_set = CSM_CASTER_SET_VIEW;
+  out->rows[1].most_bases = strcmp(scene, "valley") == 0 ? 0.55 : strcmp(scene, "town") == 0 ? 0.35 : 0.0;
+  out->rows[1].depth = true;
 }
 
 void bench_moments_config(csm_config *config, uint32_t filter, uint32_t radius) {

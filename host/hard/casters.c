@@ -330,6 +330,29 @@ static int draw_reader(hard_run *run, const csm_config *config, hard_picture *ou
   return code;
 }
 
+/* What is drawn for the view, by its receivers or by this frame's depth, against what casts into the maps. */
+static int compare_reader(hard_run *run, const caster_scene *s, const reader *r, uint32_t cascades, caster_drawing *d) {
+  const csm_config whole = reader_config(&s->setup, r, cascades, CSM_CASTER_SET_MAP);
+  const csm_config view = reader_config(&s->setup, r, cascades, CSM_CASTER_SET_VIEW);
+  uint64_t all = 0, seen[2] = {0, 0};
+  int code = draw_reader(run, &whole, &d->drawn, &all);
+  for (int depth = 0; depth < 2 && code == 0; depth++) {
+    hard_by_depth(run, depth);
+    code = draw_reader(run, &view, &d->other, &seen[depth]);
+    hard_by_depth(run, false);
+    if (code)
+      break;
+    const hard_difference difference = hard_compare(run, &d->drawn, &d->other, 0.0);
+    hard_figure_add(run, (double)difference.pixels, 0.0, "px", "pixels that %s changes: %s",
+                    depth ? "this frame's depth" : "caster_set view", r->name);
+  }
+  if (code)
+    return code;
+  hard_figure_add(run, seen[0] < all ? 0.0 : 1.0, 0.0, "1", "views that leave no caster out");
+  hard_figure_add(run, seen[1] < seen[0] ? 0.0 : 1.0, 0.0, "1", "depths that leave no more casters out");
+  return 0;
+}
+
 /* Each with one map and with three; the short form has these in turn. */
 static int draw_readers(hard_run *run, caster_drawing *d) {
   static const reader readers[] = {{"pcf_n of 31 taps", CSM_FILTER_PCF_N, 0, 0, 0},
@@ -346,19 +369,8 @@ static int draw_readers(hard_run *run, caster_drawing *d) {
   int code = hard_load(run, &s.setup);
   for (size_t i = 0; code == 0 && i < 2 * sizeof readers / sizeof readers[0]; i++) {
     const reader *r = &readers[i / 2];
-    uint64_t all = 0, seen = 0;
-    if (!run->sweep && i % 2 != i / 2 % 2)
-      continue;
-    const csm_config whole = reader_config(&s.setup, r, i % 2 ? 3 : 1, CSM_CASTER_SET_MAP);
-    const csm_config view = reader_config(&s.setup, r, i % 2 ? 3 : 1, CSM_CASTER_SET_VIEW);
-    code = draw_reader(run, &whole, &d->drawn, &all);
-    if (code == 0)
-      code = draw_reader(run, &view, &d->other, &seen);
-    if (code)
-      break;
-    const hard_difference difference = hard_compare(run, &d->drawn, &d->other, 0.0);
-    hard_figure_add(run, (double)difference.pixels, 0.0, "px", "pixels that caster_set view changes: %s", r->name);
-    hard_figure_add(run, seen < all ? 0.0 : 1.0, 0.0, "1", "views that leave no caster out");
+    if (run->sweep || i % 2 == i / 2 % 2)
+      code = compare_reader(run, &s, r, i % 2 ? 3 : 1, d);
   }
   hard_unload(run);
   setup_free(&s.setup);

@@ -48,6 +48,11 @@ int hard_restart(hard_run *run, const csm_config *config) {
   return set_all(run, config, stage_restart);
 }
 
+void hard_by_depth(hard_run *run, bool by_depth) {
+  for (uint32_t i = 0; i < run->stage_count; i++)
+    run->stages[i].by_depth = by_depth;
+}
+
 /* ---- pictures ---- */
 
 void hard_picture_free(hard_picture *picture) {

@@ -154,6 +154,9 @@ typedef struct hard_picture {
   float *mask, *view_depth, *cascades; /* view_depth: in metres; INFINITY where nothing is */
 } hard_picture;
 
+/* Whether hard_draw's maps are drawn for what this frame's depth shows. */
+void hard_by_depth(hard_run *run, bool by_depth);
+
 /*
  * Draws the maps and the mask, a frame after the last one, on every backend; `wanted` is HARD_*. *out, which may hold
  * an earlier picture or zeros, gets the first backend's; where another's differs, a figure says so.

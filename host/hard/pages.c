@@ -134,15 +134,19 @@ static int draw_steps(hard_run *run, const csm_config *config, bool anew, hard_p
   return code;
 }
 
+/* Pages that are kept, of those that receivers and then of those that this frame's depth reads, with all drawn anew. */
 static int compare_steps(hard_run *run, const char *name) {
   hard_picture kept[STEPS] = {{0}}, anew[STEPS] = {{0}};
   csm_config config = run->setup->config;
-  int code = draw_steps(run, &config, false, kept);
-  if (code == 0)
-    code = draw_steps(run, &config, true, anew);
-  for (int i = 0; i < STEPS && code == 0; i++)
-    hard_figure_add(run, (double)hard_compare(run, &anew[i], &kept[i], 0.0).pixels, 0.0, "px",
-                    "other than drawn anew: %s, %s", name, steps[i].what);
+  int code = draw_steps(run, &config, true, anew);
+  for (int depth = 0; depth < 2 && code == 0; depth++) {
+    hard_by_depth(run, depth);
+    code = draw_steps(run, &config, false, kept);
+    hard_by_depth(run, false);
+    for (int i = 0; i < STEPS && code == 0; i++)
+      hard_figure_add(run, (double)hard_compare(run, &anew[i], &kept[i], 0.0).pixels, 0.0, "px",
+                      "other than drawn anew%s: %s, %s", depth ? ", by depth" : "", name, steps[i].what);
+  }
   for (int i = 0; i < STEPS; i++) {
     hard_picture_free(&kept[i]);
     hard_picture_free(&anew[i]);

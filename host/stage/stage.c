@@ -208,14 +208,20 @@ int stage_render(stage *s) {
   return exit_code(result);
 }
 
+static csm_mask_info mask_of(const stage *s) {
+  return (csm_mask_info){.struct_size = sizeof(csm_mask_info),
+                         .flags = s->frame.flags,
+                         .frame = &s->frame,
+                         .width = s->setup->width,
+                         .height = s->setup->height};
+}
+
 /* A mask of a single pixel is a frame of a view as any other. */
 static csm_result resolve_on(stage *s, csm_view *view, uint32_t show, bool pixel) {
-  const csm_mask_info info = {.struct_size = sizeof info,
-                              .flags = s->frame.flags,
-                              .frame = &s->frame,
-                              .width = pixel ? 1 : s->setup->width,
-                              .height = pixel ? 1 : s->setup->height,
-                              .show = show};
+  csm_mask_info info = mask_of(s);
+  info.show = show;
+  info.width = pixel ? 1 : info.width;
+  info.height = pixel ? 1 : info.height;
   return csm_resolve_mask(view, s->cascades, &info);
 }
 
@@ -346,7 +352,13 @@ int stage_draw_from(stage *s, const camera *from, const scene_light *light) {
   s->frame.flags = 0;
   stage_look(s, from);
   s->light = stage_light(light);
-  return exit_code(csm_render_cascades(s->cascades, &s->frame));
+  const csm_mask_info info = mask_of(s);
+  csm_frame frame = s->frame;
+  csm_result result = s->by_depth ? csm_reduce_depth(s->view, &info) : CSM_SUCCESS;
+  frame.depth_view = s->by_depth ? s->view : NULL;
+  if (result == CSM_SUCCESS)
+    result = csm_render_cascades(s->cascades, &frame);
+  return exit_code(result);
 }
 
 int stage_cascades(stage *s, const camera *from, float *cascades) {

@@ -9,7 +9,8 @@
 /* Must not move once it is open. */
 typedef struct stage {
   const char *backend;
-  bool quiet; /* errors are expected: they are not printed */
+  bool quiet;    /* errors are expected: they are not printed */
+  bool by_depth; /* maps are drawn for what this frame's depth shows, where that is drawn before */
   char device[256], driver[256];
   const host_setup *setup;
   csm_context *context;
@@ -101,7 +102,7 @@ bool stage_has_view(const stage *s, uint32_t show);
  * after a message. */
 int stage_read_views(stage *s, stage_frame *out);
 
-/* Draws the cascades for a camera and a light. 0, or a code after a message. */
+/* Draws the cascades for a camera and a light, by depth if the stage says so. 0, or a code after a message. */
 int stage_draw_from(stage *s, const camera *from, const scene_light *light);
 /*
  * Resolves the mask of what a camera sees, and reads it back. The maps are those that were drawn last, maybe for

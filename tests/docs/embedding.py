@@ -93,7 +93,7 @@ def said(*lines):
 
 for part in parts:
     compile_part(part)
-assert len(parts) == 10 and set(packages) <= set(files), (len(parts), sorted(files))
+assert len(parts) == 11 and set(packages) <= set(files), (len(parts), sorted(files))
 with tempfile.TemporaryDirectory() as scratch:
     folder = pathlib.Path(scratch)
     for name, body in files.items():

@@ -84,6 +84,85 @@ static void own_depth_gives_the_same_mask(void **state) {
   picture_free(&expected);
 }
 
+/* ---- depth, before the maps are drawn ---- */
+
+/* A scene of what a stage's shots list. */
+static csm_scene *scene_of_stage(const stage *stage) {
+  csm_scene *scene;
+  csm_instance_id ids[SUPPORT_INSTANCES];
+  const csm_scene_batch batch = {
+      .struct_size = sizeof batch, .count = SUPPORT_INSTANCES, .ids = ids, .instances = stage->scene.instances};
+  assert_int_equal(csm_scene_create(stage->context, &scene), CSM_SUCCESS);
+  assert_int_equal(csm_scene_add(scene, &batch), CSM_SUCCESS);
+  return scene;
+}
+
+static shot shot_of_scene(const stage *stage, csm_scene *scene) {
+  shot shot = stage_shot(stage, 0);
+  shot.frame.instances = NULL;
+  shot.frame.instance_count = 0;
+  shot.frame.scene = scene;
+  return shot;
+}
+
+static csm_mask_info mask_of(shot *shot, const rig_image *depth) {
+  return (csm_mask_info){.struct_size = sizeof(csm_mask_info),
+                         .frame = shot_frame(shot),
+                         .width = WIDTH,
+                         .height = HEIGHT,
+                         .camera_depth = depth ? rig_image_native(depth) : NULL};
+}
+
+/* The depth in a frame of its own, which is not done before it is retired; then maps and mask. */
+static picture draw_by_depth(stage *stage, csm_scene *scene, const rig_image *depth) {
+  rig_begin(stage->rig);
+  shot shot = shot_of_scene(stage, scene);
+  csm_mask_info info = mask_of(&shot, depth);
+  assert_int_equal(csm_reduce_depth(stage->view, &info), CSM_SUCCESS);
+  shot.frame.depth_view = stage->view;
+  stage->record.quiet = true;
+  assert_int_equal(csm_render_cascades(stage->cascades, shot_frame(&shot)), CSM_ERROR_INVALID_STATE);
+  assert_non_null(strstr(csm_last_error(stage->context), "not retired"));
+  stage_finish(stage);
+  rig_begin(stage->rig);
+  shot = shot_of_scene(stage, scene);
+  shot.frame.depth_view = stage->view;
+  stage_render(stage, &shot);
+  info = mask_of(&shot, depth);
+  assert_int_equal(csm_resolve_mask(stage->view, stage->cascades, &info), CSM_SUCCESS);
+  picture_copy copy = stage_record(stage, size);
+  stage_finish(stage);
+  csm_stats stats = {.struct_size = sizeof stats};
+  assert_int_equal(csm_get_stats(stage->cascades, &stats), CSM_SUCCESS);
+  assert_int_equal(stats.cells_by, CSM_CELLS_DEPTH);
+  assert_true(stats.cells_read > 0 && stats.cells_read < stats.cascade_count * 64 * 64);
+  return picture_take(stage->rig, &copy);
+}
+
+/* The engine's depth in every way that it may be made, and csm's own. */
+static void maps_for_a_depth_give_the_same_mask(void **state) {
+  (void)state;
+  static float depth[PIXELS];
+  picture expected = draw_own(depth);
+  for (uint32_t way = 0; way <= rig_depth_ways; ++way) {
+    stage stage;
+    rig *rig = rig_open(RIG_TYPICAL);
+    open_telling(&stage, rig);
+    stage.config.caster_set = CSM_CASTER_SET_VIEW;
+    stage_configure(&stage);
+    csm_scene *scene = scene_of_stage(&stage);
+    rig_image *image = way < rig_depth_ways ? make_image(rig, RIG_DEPTH_32, way, depth) : NULL;
+    picture drawn = draw_by_depth(&stage, scene, image);
+    assert_true(picture_mask_difference(&expected, &drawn, 1) == 0);
+    picture_free(&drawn);
+    if (image)
+      rig_image_free(rig, image);
+    stage_close(&stage);
+    rig_close(rig);
+  }
+  picture_free(&expected);
+}
+
 /* ---- normals ---- */
 
 /* The scene's normal at every pixel, turned to the camera: all faces lie along axes. Up where nothing is. */
@@ -404,6 +483,7 @@ static void own_buffers_draw_as_copies_on_a_bare_device(void **state) {
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(own_depth_gives_the_same_mask),
+      cmocka_unit_test(maps_for_a_depth_give_the_same_mask),
       cmocka_unit_test(normals_of_every_coding_agree),
       cmocka_unit_test(what_is_shown_instead_needs_no_normals),
       cmocka_unit_test(motion_says_where_a_surface_was),

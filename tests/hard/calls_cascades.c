@@ -170,6 +170,7 @@ static csm_result destroy_view(world *w) {
   const csm_result result = csm_view_destroy(view ? view->view : NULL);
   if (!result && view) {
     w->gone = view->view;
+    w->looked = w->looked == view->view ? NULL : w->looked;
     view->view = NULL;
   }
   return result;

@@ -72,6 +72,7 @@ static const spoil_field frame_fields[] = {
     {SPOIL_AT(csm_frame, instances), FIELD_POINTER, 0},
     {SPOIL_AT(csm_frame, reserved), FIELD_WHOLE, 0},
     {SPOIL_AT(csm_frame, draw), FIELD_POINTER, 0},
+    {SPOIL_AT(csm_frame, depth_view), FIELD_POINTER, 0},
 };
 /* On an engine's device, whose later frames must not be refused for what a wild number said. */
 static const spoil_field lent_frame_fields[] = {
@@ -127,8 +128,26 @@ static csm_frame roll_frame(world *w) {
   return frame;
 }
 
+/* Makes a frame one that a view has looked at; now and then something of it is another's. */
+static void give_depth(world *w, csm_frame *frame) {
+  const world_view *any = world_any_view(w);
+  if (dice_one_in(&w->dice, 30))
+    frame->depth_view = dice_one_in(&w->dice, 2) && any ? any->view : world_wild(w);
+  if (!w->looked || !dice_one_in(&w->dice, 3))
+    return;
+  frame->depth_view = w->looked;
+  if (!dice_one_in(&w->dice, 12))
+    frame->camera = world_write(w, &w->looked_camera, sizeof w->looked_camera);
+  if (dice_one_in(&w->dice, 12))
+    return;
+  frame->scene = w->looked_scene;
+  frame->instances = NULL;
+  frame->instance_count = 0;
+}
+
 static const csm_frame *write_frame(world *w) {
-  const csm_frame good = roll_frame(w);
+  csm_frame good = roll_frame(w);
+  give_depth(w, &good);
   return world_risk(w, &good, w->own ? &frame_struct : &lent_frame_struct);
 }
 
@@ -148,6 +167,7 @@ static csm_result render(world *w) {
   const csm_result result = csm_render_cascades(cascades ? cascades->cascades : NULL, frame);
   if (!result)
     cascades->list = frame->struct_size > offsetof(csm_frame, instance_count) ? frame->instance_count : 0;
+  w->samples = w->samples || (!result && frame->struct_size > offsetof(csm_frame, depth_view) && frame->depth_view);
   return result;
 }
 
@@ -158,10 +178,8 @@ static const spoil_field mask_fields[] = {
 };
 static const spoil_struct mask_struct = SPOIL_STRUCT(csm_mask_info, mask_fields);
 
-static csm_result resolve(world *w) {
-  world_cascades *cascades = world_any_cascades(w);
-  world_view *view = world_any_view(w);
-  const csm_frame *frame = write_frame(w);
+/* Of a frame; the images are an engine's, where there are any. */
+static const csm_mask_info *write_mask(world *w, const csm_frame *frame) {
   csm_mask_info good = {.struct_size = sizeof good,
                         .flags = dice_below(&w->dice, 2),
                         .frame = frame,
@@ -171,7 +189,13 @@ static csm_result resolve(world *w) {
                             dice_one_in(&w->dice, 3) ? dice_below(&w->dice, CSM_SHOW_PAGES + 2) : CSM_SHOW_VISIBILITY};
   if (w->lent && dice_one_in(&w->dice, 2))
     lent_images(w->lent, &w->dice, &good);
-  const csm_mask_info *info = world_risk(w, &good, &mask_struct);
+  return world_risk(w, &good, &mask_struct);
+}
+
+static csm_result resolve(world *w) {
+  world_cascades *cascades = world_any_cascades(w);
+  world_view *view = world_any_view(w);
+  const csm_mask_info *info = write_mask(w, write_frame(w));
   csm_view *chosen = dice_one_in(&w->dice, 60) ? world_wild(w) : view ? view->view : NULL;
   const csm_result result = csm_resolve_mask(chosen, cascades ? cascades->cascades : NULL, info);
   if (!result) {
@@ -181,8 +205,25 @@ static csm_result resolve(world *w) {
   return result;
 }
 
+static csm_result reduce(world *w) {
+  const world_view *view = world_any_view(w);
+  const csm_mask_info *info = write_mask(w, write_frame(w));
+  csm_view *chosen = view ? view->view : NULL;
+  const csm_result result = csm_reduce_depth(chosen, info);
+  if (!result) {
+    w->looked = chosen;
+    w->looked_camera = (csm_camera){.struct_size = sizeof w->looked_camera};
+    const uint32_t size = info->frame->camera->struct_size;
+    memcpy(&w->looked_camera, info->frame->camera, size < sizeof w->looked_camera ? size : sizeof w->looked_camera);
+    w->looked_camera.struct_size = sizeof w->looked_camera;
+    w->looked_scene = info->frame->scene;
+  }
+  return result;
+}
+
 const world_call calls_frames[] = {
     {.name = "csm_render_cascades", .weight = 60, .call = render},
+    {.name = "csm_reduce_depth", .weight = 15, .call = reduce},
     {.name = "csm_resolve_mask", .weight = 40, .call = resolve},
     {.name = NULL},
 };

@@ -81,6 +81,7 @@ static csm_result destroy_scene(world *w) {
   const csm_result result = csm_scene_destroy(scene ? scene->scene : NULL);
   if (!result && scene) {
     w->gone = scene->scene;
+    w->looked = w->looked_scene == scene->scene ? NULL : w->looked;
     scene->scene = NULL;
     for (uint32_t i = 0; i < WORLD_IDS; ++i)
       scene->ids[i].live = false;

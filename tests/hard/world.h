@@ -74,6 +74,9 @@ typedef struct world {
   world_scene scenes[WORLD_SCENES];
   world_cascades cascades[WORLD_CASCADES];
   world_view views[WORLD_VIEWS];
+  csm_view *looked; /* the view whose depth was reduced last, and of what; NULL: none */
+  csm_camera looked_camera;
+  csm_scene *looked_scene;
   void *gone; /* the scene, cascades or view that was destroyed last */
   /* What the calls read. */
   float floats[WORLD_FLOATS];

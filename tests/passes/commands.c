@@ -190,23 +190,71 @@ static void test_a_mask(void **state) {
   assert_int_equal(count(bind, "draw count=3 instances=1"), 1);
 }
 
+/* Puts the scene's instances into one that stays. */
+static csm_scene *stay(fixture *f, csm_instance_id ids[SUPPORT_INSTANCES]) {
+  const csm_scene_batch all = {
+      .struct_size = sizeof all, .count = SUPPORT_INSTANCES, .ids = ids, .instances = f->scene.instances};
+  csm_scene *scene;
+  assert_int_equal(csm_scene_create(f->context, &scene), CSM_SUCCESS);
+  assert_int_equal(csm_scene_add(scene, &all), CSM_SUCCESS);
+  f->scene.shot.frame.instances = NULL;
+  f->scene.shot.frame.instance_count = 0;
+  f->scene.shot.frame.scene = scene;
+  return scene;
+}
+
+/* A mask draws the depth that a reduction drew only where it would draw another one. */
+static void test_a_depth(void **state) {
+  fixture *f = *state;
+  const char *text = f->commands.text;
+  shot *shot = &f->scene.shot;
+  csm_instance_id ids[SUPPORT_INSTANCES];
+  stay(f, ids);
+  csm_mask_info info = {.struct_size = sizeof info, .frame = shot_frame(shot), .width = 40, .height = 30};
+  forget(&f->commands);
+  assert_int_equal(csm_reduce_depth(f->view, &info), CSM_SUCCESS);
+  assert_int_equal(count(text, "clear_depth"), 1);
+  assert_int_equal(count(text, "pass_begin"), 2);
+  assert_int_equal(count(text, "copy_image"), 1);
+  shot->frame.depth_view = f->view;
+  render(f);
+  for (int i = 0; i < 2; ++i) { /* as often as it is asked for */
+    forget(&f->commands);
+    assert_int_equal(shot_resolve(shot, f->view, f->cascades, 40, 30), CSM_SUCCESS);
+    assert_int_equal(count(text, "clear_depth"), 0);
+    assert_int_equal(count(text, "pass_begin"), 1);
+  }
+  shot->frame.depth_view = NULL;
+  render(f);
+  forget(&f->commands);
+  assert_int_equal(shot_resolve(shot, f->view, f->cascades, 41, 30), CSM_SUCCESS);
+  assert_int_equal(count(text, "clear_depth"), 1);
+  forget(&f->commands);
+  assert_int_equal(shot_resolve(shot, f->view, f->cascades, 40, 30), CSM_SUCCESS); /* which was drawn over */
+  assert_int_equal(count(text, "clear_depth"), 1);
+  assert_int_equal(csm_reduce_depth(f->view, &info), CSM_SUCCESS);
+  shot->camera.view[12] += 0.01;
+  forget(&f->commands);
+  assert_int_equal(shot_resolve(shot, f->view, f->cascades, 40, 30), CSM_SUCCESS);
+  assert_int_equal(count(text, "clear_depth"), 1);
+  assert_int_equal(csm_reduce_depth(f->view, &info), CSM_SUCCESS);
+  assert_int_equal(csm_scene_remove(shot->frame.scene, 1, ids), CSM_SUCCESS);
+  forget(&f->commands);
+  assert_int_equal(shot_resolve(shot, f->view, f->cascades, 40, 30), CSM_SUCCESS);
+  assert_int_equal(count(text, "clear_depth"), 1);
+  assert_int_equal(f->commands.breaches, 0);
+}
+
 /* Pages that are there are neither cleared nor drawn; what moves is, in a part of what clip space covers. */
 static void test_pages(void **state) {
   fixture *f = *state;
   const char *text = f->commands.text;
   csm_config config = support_config();
   csm_instance_id ids[SUPPORT_INSTANCES];
-  const csm_scene_batch all = {
-      .struct_size = sizeof all, .count = SUPPORT_INSTANCES, .ids = ids, .instances = f->scene.instances};
-  csm_scene *scene;
-  assert_int_equal(csm_scene_create(f->context, &scene), CSM_SUCCESS);
-  assert_int_equal(csm_scene_add(scene, &all), CSM_SUCCESS);
+  csm_scene *scene = stay(f, ids);
   config.map_layout = CSM_LAYOUT_PAGES;
   config.resolution = SIDE;
   assert_int_equal(csm_cascades_configure(f->cascades, &config), CSM_SUCCESS);
-  f->scene.shot.frame.instances = NULL;
-  f->scene.shot.frame.instance_count = 0;
-  f->scene.shot.frame.scene = scene;
   render(f);
   assert_int_equal(count(text, "clear_depth"), 1);
   assert_true(count(text, "draw ") > 0);
@@ -265,6 +313,7 @@ int main(void) {
       cmocka_unit_test_setup_teardown(test_slots_in_turn, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_timestamps, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_a_mask, set_up, tear_down),
+      cmocka_unit_test_setup_teardown(test_a_depth, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_pages, set_up, tear_down),
       cmocka_unit_test_setup_teardown(test_an_error_records_nothing, set_up, tear_down),
   };

@@ -444,12 +444,217 @@ static void receivers_leave_maps_where_they_are(void **state) {
   scene_free(&scene);
 }
 
+/* ---- what a depth shows ---- */
+
+enum { seen_width = 200, seen_height = 120, seen_columns = 13, seen_rows = 8, most_seen = 4 };
+
+/* A picture's depth, tile by tile. */
+typedef struct seen_picture {
+  plan_seen_tile tiles[seen_rows * seen_columns];
+  plan_seen_depth depth;
+} seen_picture;
+
+static void see_nothing(seen_picture *out, const double view[16], const double projection[16], uint32_t reversed) {
+  const char *error = "";
+  *out = (seen_picture){.depth = {.width = seen_width,
+                                  .height = seen_height,
+                                  .columns = seen_columns,
+                                  .rows = seen_rows,
+                                  .rounding = {.share = 0x1p-24}}};
+  assert_int_equal(plan_camera_make(&out->depth.camera, view, projection, reversed, &error), CSM_SUCCESS);
+  for (int i = 0; i < seen_rows * seen_columns; ++i)
+    out->tiles[i] = (plan_seen_tile){.nearness = {2.0f, -2.0f}};
+  out->depth.tiles = out->tiles;
+}
+
+/* The bits of a float above 0, as a number that grows with it, by its exponent and mantissa. */
+static uint32_t rank_of(float value) {
+  int exponent;
+  const float mantissa = frexpf(value, &exponent);
+  return (uint32_t)(exponent + 126) * (1u << 23) + (uint32_t)ldexpf(mantissa - 0.5f, 24);
+}
+
+/* Tells a tile what surfaces it holds. */
+static void fill_tile(plan_seen_tile *out, const float *nearness, int count) {
+  float least = nearness[0], most = nearness[0];
+  uint32_t width = 1, bits = 0;
+  for (int i = 1; i < count; ++i) {
+    least = fminf(least, nearness[i]);
+    most = fmaxf(most, nearness[i]);
+  }
+  while ((rank_of(most) - rank_of(least)) / width > 31)
+    width *= 2;
+  for (int i = 0; i < count; ++i)
+    bits |= 1u << (rank_of(nearness[i]) - rank_of(least)) / width;
+  *out = (plan_seen_tile){{least, most}, {(float)(bits % 65536), (float)(bits / 65536)}};
+}
+
+/* Where a camera's picture shows a point: its tile, and how near it is. False: it does not. */
+static bool show_point(const double view[16], const double projection[16], bool reversed, const double point[3],
+                       uint32_t *tile, float *nearness) {
+  long double eye[4] = {0, 0, 0, 1}, clip[4];
+  for (int row = 0; row < 3; ++row)
+    for (int k = 0; k < 4; ++k)
+      eye[row] += (long double)view[k * 4 + row] * (k < 3 ? point[k] : 1.0L);
+  for (int row = 0; row < 4; ++row) {
+    clip[row] = 0;
+    for (int k = 0; k < 4; ++k)
+      clip[row] += projection[k * 4 + row] * eye[k];
+  }
+  const float depth = (float)(clip[2] / clip[3]);
+  const long double x = (clip[0] / clip[3] + 1) / 2 * seen_width, y = (1 - clip[1] / clip[3]) / 2 * seen_height;
+  if (!(x >= 0 && x < seen_width && y >= 0 && y < seen_height && depth > 0.0f && depth < 1.0f))
+    return false;
+  *tile = (uint32_t)y / 16 * seen_columns + (uint32_t)x / 16;
+  *nearness = reversed ? depth : 1.0f - depth;
+  return true;
+}
+
+/* A point among other surfaces of its tile, nearer and farther. */
+static void see(seen_picture *out, random_state *random, uint32_t tile, float nearness) {
+  float all[most_seen] = {nearness};
+  const int count = 1 + (int)random_below(random, most_seen);
+  for (int i = 1; i < count; ++i)
+    all[i] = (float)fmin(nearness * random_scale(random, 0.01, 100.0), 1.0);
+  fill_tile(&out->tiles[tile], all, count);
+}
+
+static void plan_for_depth(plan_frame *out, const csm_config *config, const test_shot *shot, const plan_scene *scene,
+                           void *memory, const seen_picture *seen) {
+  const plan_frame_info info = {.config = config,
+                                .view = shot->view,
+                                .projection = shot->projection,
+                                .reversed = shot->reversed,
+                                .light = shot->light,
+                                .scene = scene,
+                                .seen = &seen->depth};
+  const char *error = "";
+  if (plan_traced(out, &info, memory, &error))
+    fail_msg("%s", error);
+  assert_int_equal(out->cells_by, out->unshadowed ? CSM_CELLS_ALL : CSM_CELLS_DEPTH);
+}
+
+/* What lies over a texel that is read at a surface that the depth shows is drawn in the cascades that it looks up. */
+static void draws_what_is_read_for_what_is_seen(void **state) {
+  (void)state;
+  random_state random = {17};
+  test_scene scene = scene_make(1, 1);
+  uint32_t read[CSM_MAX_CASCADES] = {0};
+  for (int i = 0; i < 60000; ++i) {
+    const csm_config config = receivers_config(&random);
+    const reading reads = reading_of(&config);
+    test_camera camera = random_camera(&random, 10.0);
+    double light[3], point[3], view[16], projection[16];
+    random_unit(&random, light);
+    plan_frame frame = plan_empty(&config, &camera, light);
+    const uint32_t c = random_below(&random, config.cascade_count);
+    uint32_t tile;
+    float nearness;
+    if (frame.unshadowed)
+      continue;
+    slice_point(&random, &camera, &frame.cascades[random_below(&random, config.cascade_count)].info, point);
+    camera_matrices(&camera, view, projection);
+    if (!show_point(view, projection, camera.reversed, point, &tile, &nearness) ||
+        !place_reader(&random, &scene, &frame, c, point, &reads))
+      continue;
+    seen_picture seen;
+    see_nothing(&seen, view, projection, camera_reversed(&camera));
+    see(&seen, &random, tile, nearness);
+    plan_for_depth(&frame, &config, &(test_shot){view, projection, camera_reversed(&camera), light}, &scene.scene,
+                   scene.memory, &seen);
+    chooser chooser;
+    choose_for(&chooser, &random, &frame, &config, point);
+    if (!chooses(&chooser, &config, c))
+      continue;
+    if (!frame.windows[c].list.instance_count)
+      fail_msg("frame %d: selection %u, blending %u, fit %u: what is read of cascade %u is not drawn", i,
+               config.selection, config.blend_mode, config.fit_mode, c);
+    ++read[c];
+  }
+  printf("%u, %u and %u lookups\n", read[0], read[1], read[2]);
+  assert_true(read[0] > 1000 && read[1] > 500 && read[2] > 200);
+  scene_free(&scene);
+}
+
+/* What lies between a near surface and a far one of a tile is not read, nor anything where nothing is seen. */
+static void leaves_out_what_is_not_seen(void **state) {
+  (void)state;
+  const double light[3] = {0.1, -1.0, 0.05};
+  test_camera camera = plain_camera();
+  test_scene scene = scene_make(1, 1);
+  csm_config config = default_config();
+  double view[16], projection[16];
+  uint32_t tile[2], counts[3];
+  float nearness[2];
+  plan_frame frame;
+  config.caster_set = CSM_CASTER_SET_VIEW;
+  config.shadow_distance = 200.0;
+  camera_matrices(&camera, view, projection);
+  const test_shot shot = {view, projection, camera_reversed(&camera), light};
+  const double near[3] = {0.01, 0.01, -4.0}, far[3] = {0.4, 0.4, -150.0};
+  assert_true(show_point(view, projection, camera.reversed, near, &tile[0], &nearness[0]));
+  assert_true(show_point(view, projection, camera.reversed, far, &tile[1], &nearness[1]));
+  assert_int_equal(tile[0], tile[1]);
+  seen_picture seen;
+  see_nothing(&seen, view, projection, camera_reversed(&camera));
+  plan_for_depth(&frame, &config, &shot, &scene.scene, scene.memory, &seen);
+  assert_int_equal(frame.cells_read, 0);
+  for (int i = 0; i < 3; ++i) {
+    fill_tile(&seen.tiles[tile[0]], i == 1 ? nearness + 1 : nearness, i == 2 ? 2 : 1);
+    plan_for_depth(&frame, &config, &shot, &scene.scene, scene.memory, &seen);
+    counts[i] = frame.cells_read;
+  }
+  assert_true(counts[0] && counts[1]);
+  assert_true(counts[2] >= counts[0] && counts[2] >= counts[1]);
+  fill_tile(&seen.tiles[tile[0]], nearness, 2);
+  seen.tiles[tile[0]].slots[0] = seen.tiles[tile[0]].slots[1] = 65535.0f; /* all that lies between, too */
+  plan_for_depth(&frame, &config, &shot, &scene.scene, scene.memory, &seen);
+  printf("%u, %u, %u of %u cells\n", counts[0], counts[1], counts[2], frame.cells_read);
+  assert_true(frame.cells_read > 3 * counts[2]);
+  scene_free(&scene);
+}
+
+static float wild_float(random_state *random) {
+  static const float wild[] = {0.0f, -0.0f, 1.0f, -1.0f, 1e-45f, 3e38f, -3e38f, INFINITY, -INFINITY, NAN, 65536.0f};
+  const uint32_t which = random_below(random, 2 * sizeof wild / sizeof *wild);
+  return which < sizeof wild / sizeof *wild ? wild[which] : (float)random_scale(random, 1e-30, 1e6);
+}
+
+/* Whatever a tile holds, planning goes on, and raises no exception. */
+static void bears_any_tile(void **state) {
+  (void)state;
+  random_state random = {19};
+  test_scene scene = scene_make(20, 2);
+  for (int i = 0; i < 2000; ++i) {
+    const csm_config config = receivers_config(&random);
+    const test_camera camera = random_camera(&random, 1e6);
+    double light[3], view[16], projection[16];
+    seen_picture seen;
+    plan_frame frame;
+    random_unit(&random, light);
+    camera_matrices(&camera, view, projection);
+    scene_scatter(&scene, &random, camera.eye, 100.0);
+    see_nothing(&seen, view, projection, camera_reversed(&camera));
+    for (int t = 0; t < seen_rows * seen_columns; ++t)
+      for (int k = 0; k < 2; ++k) {
+        seen.tiles[t].nearness[k] = wild_float(&random);
+        seen.tiles[t].slots[k] = wild_float(&random);
+      }
+    plan_for_depth(&frame, &config, &(test_shot){view, projection, camera_reversed(&camera), light}, &scene.scene,
+                   scene.memory, &seen);
+  }
+  scene_free(&scene);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(keeps_what_filters_read_beside_the_view),
       cmocka_unit_test(draws_what_is_read_for_receivers),
       cmocka_unit_test(draws_parts_that_are_read_for_parts),
       cmocka_unit_test(receivers_leave_maps_where_they_are),
+      cmocka_unit_test(draws_what_is_read_for_what_is_seen),
+      cmocka_unit_test(leaves_out_what_is_not_seen),
+      cmocka_unit_test(bears_any_tile),
   };
   return cmocka_run_group_tests_name("plan-receivers", tests, NULL, NULL);
 }

@@ -463,6 +463,12 @@ typedef struct csm_frame {
   uint32_t reserved;      /* 0 */
   csm_draw_function draw; /* engine's device: called for each cascade; may be NULL, and is with map_layout pages */
   void *draw_user;
+  /*
+   * A view whose csm_reduce_depth looked with this camera, at this scene as it is. With caster_set VIEW, what shades none
+   * of the surfaces that it saw is left out of the maps, and masks of these maps are of its camera and size. NULL: what
+   * the camera sees is not known. csm_render_cascades alone reads it.
+   */
+  csm_view *depth_view;
 } csm_frame;
 
 /*
@@ -474,8 +480,9 @@ typedef struct csm_frame {
  * frame; a scene and instances; an instance's flags; csm_camera.reversed; angular_diameter; an origin beyond 1e30),
  * INVALID_MATRIX (view or an instance's transform not affine, or with numbers above 1e30, view or projection
  * singular), INVALID_CAMERA, INVALID_LIGHT, INVALID_HANDLE (an instance's mesh; a scene of another context),
- * INVALID_STATE (frame_slots frames are not retired yet), UNSUPPORTED (draw on an own device, or
- * with map_layout pages), OUT_OF_MEMORY,
+ * INVALID_STATE (frame_slots frames are not retired yet; depth_view has reduced no depth on this device, its frame is
+ * not retired yet, or the scene has changed since), INVALID_VALUE and INVALID_HANDLE (depth_view saw another camera or
+ * scene; a view of another context), UNSUPPORTED (draw on an own device, or with map_layout pages), OUT_OF_MEMORY,
  * OUT_OF_DEVICE_MEMORY, LIMIT_EXCEEDED, DEVICE_LOST, DEVICE.
  * [render-thread]
  */
@@ -526,6 +533,17 @@ typedef struct csm_mask_info {
 } csm_mask_info;
 
 /*
+ * Looks at this frame's depth, before the maps are drawn, for csm_frame.depth_view: `info` is that of the mask to come,
+ * of which the camera, the scene, the size and camera_depth are read. Without camera_depth csm draws the depth, and
+ * csm_resolve_mask does not draw it again for the same view, camera, size and scene. What was seen is known once the
+ * recording is done: csm_render_cascades waits for an own device. An engine submits what was recorded under a frame's
+ * number of its own, waits, and calls csm_retire; csm_render_cascades comes under a later number.
+ * What a view saw counts until its next csm_reduce_depth, for cascades of any light, as long as the scene stays as it was.
+ * Errors: as csm_resolve_mask, and INVALID_VALUE (instances in place of a scene). [render-thread]
+ */
+CSM_API csm_result CSM_CALL csm_reduce_depth(csm_view *view, const csm_mask_info *info);
+
+/*
  * Resolves a screen-space mask (1 lit, 0 shadowed; 1 where nothing is) from the maps that csm_render_cascades drew
  * last, with the selection, filter and bias of the configuration. A view holds the last mask that was resolved for it.
  * With csm_config.history each is a frame of the view's history, and the mask the mean of what its frames saw of each
@@ -533,7 +551,7 @@ typedef struct csm_mask_info {
  * cascades or another configuration, and with another device.
  * A device's first mask of a kind makes its program, which takes a while.
  * Errors: as csm_render_cascades, and INVALID_VALUE (show: no such one; a history that is not kept; a penumbra of a filter
- * that finds none), INVALID_STATE (no maps have been drawn with this configuration yet),
+ * that finds none; another camera or size than that of the depth that the maps were drawn for), INVALID_STATE (no maps have been drawn with this configuration yet),
  * INVALID_HANDLE (a view of another context). [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_resolve_mask(csm_view *view, csm_cascades *cascades, const csm_mask_info *info);
@@ -636,6 +654,13 @@ typedef struct csm_cascade_stats {
   double gpu_ms; /* of the last frame with CSM_FRAME_TIMESTAMPS; negative if there was none */
 } csm_cascade_stats;
 
+/* By what a frame knows which cells of its maps are read, of 64 x 64 of each: casters over no such cell are left out. */
+enum {
+  CSM_CELLS_ALL = 0,       /* it does not */
+  CSM_CELLS_RECEIVERS = 1, /* by the boxes of all receivers that its camera may see */
+  CSM_CELLS_DEPTH = 2      /* by csm_frame.depth_view */
+};
+
 typedef struct csm_stats {
   uint32_t struct_size;
   uint32_t cascade_count;
@@ -663,6 +688,8 @@ typedef struct csm_stats {
   double ranges_gpu_ms;    /* as csm_cascade_stats.gpu_ms: with filter exact_soft, finding how near to the light casters
                               lie around each place; 0 if that was known */
   uint64_t range_bytes;    /* device memory of that */
+  uint32_t cells_by;       /* CSM_CELLS_*, of the last frame */
+  uint32_t cells_read;     /* of all maps; 0 with CSM_CELLS_ALL, but with map_layout pages */
 } csm_stats;
 
 /*
@@ -684,6 +711,7 @@ typedef struct csm_view_stats {
   uint32_t ray_map_pixels; /* and those of them that the map decided: their rays passed casters that cannot be traced */
   uint64_t ray_nodes;      /* of the last CSM_SHOW_RAYS: nodes that all rays looked at, to 16 a pixel */
   uint64_t ray_triangles;  /* and triangles */
+  double reduce_gpu_ms;    /* as csm_cascade_stats.gpu_ms: csm_reduce_depth, without drawing the depth */
 } csm_view_stats;
 
 /* The same of a view's last csm_resolve_mask. Errors: NULL_POINTER, STRUCT_SIZE, DEVICE_LOST, DEVICE.

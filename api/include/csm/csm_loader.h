@@ -52,6 +52,7 @@
   F(csm_result, view_create, (csm_context * context, csm_view * *view))                                                \
   F(csm_result, view_destroy, (csm_view * view))                                                                       \
   F(csm_result, get_draw_target, (csm_cascades * cascades, csm_draw_target * target))                                  \
+  F(csm_result, reduce_depth, (csm_view * view, const csm_mask_info *info))                                            \
   F(csm_result, render_cascades, (csm_cascades * cascades, const csm_frame *frame))                                    \
   F(csm_result, resolve_mask, (csm_view * view, csm_cascades * cascades, const csm_mask_info *info))                   \
   F(csm_result, bind, (csm_cascades * cascades, csm_binding * binding))                                                \

@@ -16,6 +16,7 @@ typedef struct camera_programs {
 
 typedef struct camera_depth_state {
   drawn_images depth;              /* NULL as long as the engine brings its own */
+  bool reduced;                    /* it was drawn in a reduction */
   plan_camera drawn_with, seen_by; /* the camera that it was drawn with last, and the frame's, for csm_read */
   camera_programs programs;
   ring_range ring; /* of the recording on its way */
@@ -80,6 +81,11 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
   state->ring = *ring;
   if (picture->engines_depth)
     return import(run->device, picture);
+  picture->depth_rounding = (plan_grain){.share = 0x1p-24};
+  if (picture->depth_kept) {
+    picture->depth = state->depth.now->image;
+    return CSM_SUCCESS;
+  }
   csm_result result = extend_programs(run->device, &state->programs);
   const gpu_image_info image = {
       .name = "camera depth", .format = GPU_FORMAT_D32_FLOAT, .width = picture->width, .height = picture->height};
@@ -87,7 +93,6 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
     result = drawn_image_reserve(&state->depth, run->device, &image);
   if (!result)
     picture->depth = drawn_image_next(&state->depth)->image;
-  picture->depth_rounding = (plan_grain){.share = 0x1p-24};
   return result;
 }
 
@@ -111,6 +116,7 @@ static void drop(void *self, device *device) {
   pass_timer_drop(&state->timer, device);
   drawn_image_drop(&state->depth, device);
   state->programs = (camera_programs){0};
+  state->reduced = false;
 }
 
 static void draw(const camera_depth_state *state, const technique_run *run) {
@@ -137,6 +143,8 @@ static void draw(const camera_depth_state *state, const technique_run *run) {
 static void record(void *self, const technique_run *run) {
   camera_depth_state *state = self;
   const bool own = !run->picture->engines_depth;
+  if (run->picture->depth_kept)
+    return;
   pass_timer_begin(&state->timer, run, 1);
   if (own) {
     draw(state, run);
@@ -146,6 +154,12 @@ static void record(void *self, const technique_run *run) {
   pass_timer_step(&state->timer, run);
   if (state->depth.now)
     state->depth.now->drawn = own;
+  state->reduced = own && run->picture->reduces;
+}
+
+bool camera_depth_kept(const technique_set *view) {
+  const camera_depth_state *state = technique_state(view, &technique_camera_depth);
+  return state->reduced;
 }
 
 /* ---- what came of it ---- */
@@ -169,6 +183,7 @@ static csm_result find(const void *self, uint32_t source, uint32_t cascade, tech
 
 const technique technique_camera_depth = {
     .name = "camera depth",
+    .when = TECHNIQUE_BOTH,
     .state_size = sizeof(camera_depth_state),
     .wanted = wanted,
     .adopt = adopt,

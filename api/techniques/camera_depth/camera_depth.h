@@ -7,4 +7,7 @@
 /* Sets technique_picture.depth. */
 extern const technique technique_camera_depth;
 
+/* Whether the view holds what csm drew in its last reduction. */
+bool camera_depth_kept(const technique_set *view);
+
 #endif

@@ -1,8 +1,20 @@
 #include "techniques/depth_samples/depth_samples.h"
 
-#include "techniques/depth_samples/tiles.h"
+#include "shader_code.h"
+#include "techniques/tiles.h"
 
 #include <string.h>
+
+enum { TILE_PX = 32 };
+
+/* The least and the greatest depth in each tile. */
+static const tile_kind tiles_of_samples = {
+    .steps = {{.name = "depth tiles", .pixel = &shader_depth_tiles_ps, .px = 8, .format = GPU_FORMAT_RG32_FLOAT},
+              {.name = "depth tiles, large",
+               .pixel = &shader_depth_tiles_large_ps,
+               .px = TILE_PX,
+               .format = GPU_FORMAT_RG32_FLOAT}},
+    .count = 2};
 
 typedef struct depth_samples_state {
   tile_images *now, *fresh;   /* NULL until a picture wants them */
@@ -20,7 +32,7 @@ static bool wanted(const csm_config *config) {
 static uint64_t size(const void *self, const technique_run *run) {
   (void)self;
   (void)run;
-  return TILES_BLOCKS;
+  return tiles_bytes(&tiles_of_samples);
 }
 
 /* Takes over the newest tiles whose frame is done. */
@@ -43,11 +55,11 @@ static void collect(depth_samples_state *state, const device *device) {
 static csm_result reserve_tiles(depth_samples_state *state, device *device, const technique_picture *picture) {
   if (state->now && state->now->width == picture->width && state->now->height == picture->height)
     return CSM_SUCCESS;
-  const csm_result result = tile_images_create(device, picture->width, picture->height, &state->fresh);
+  const csm_result result =
+      tile_images_create(device, &tiles_of_samples, picture->width, picture->height, &state->fresh);
   if (result)
     return result;
-  state->fresh_room =
-      host_allocate(device->host, (size_t)state->fresh->columns * state->fresh->rows * 2 * sizeof(float));
+  state->fresh_room = host_allocate(device->host, tile_images_size(state->fresh));
   return state->fresh_room ? CSM_SUCCESS : CSM_ERROR_OUT_OF_MEMORY;
 }
 
@@ -70,7 +82,8 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
                                             .tile_px = TILE_PX,
                                             .columns = tiles->columns,
                                             .rows = tiles->rows};
-  tiles_write(ring->memory, picture->width, picture->height, (float)plan_clear_depth(picture->depth_camera));
+  tiles_write(ring->memory, &tiles_of_samples, picture->width, picture->height,
+              (float)plan_clear_depth(picture->depth_camera));
   return CSM_SUCCESS;
 }
 
