@@ -133,7 +133,7 @@ csm_result CSM_CALL csm_cascades_destroy(csm_cascades *cascades) {
   if (cascades->next)
     cascades->next->link = cascades->link;
   for (int i = 0; i < 2; ++i) {
-    host_release(host, cascades->plans[i].memory);
+    host_release(host, cascades->plans[i].memory.at);
     instances_end(&cascades->plans[i].list, NULL);
   }
   host_release(host, cascades->cache.memory);

@@ -14,8 +14,8 @@ typedef struct planned_depth {
 
 /* A plan, with the memory that its lists lie in, and what it was made of. */
 typedef struct planned {
-  void *memory;
-  size_t size;
+  plan_memory memory;
+  size_t size; /* bytes of it */
   plan_frame frame;
   instances list;         /* the frame's own, if it had one */
   const csm_scene *scene; /* NULL: the list */

@@ -137,7 +137,7 @@ void CSM_CALL csm_destroy(csm_context *context) {
   close_former(context, UINT64_MAX);
   instances_end(&context->list, NULL);
   assets_end(&context->assets);
-  host_release(&context->host, context->scratch);
+  host_release(&context->host, context->view_memory.at);
   const host last = context->host;
   last.release(last.user, context);
 }

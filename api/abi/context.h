@@ -27,8 +27,8 @@ struct csm_context {
 
   /* What the camera of a picture without a scene sees. */
   instances list;
-  void *scratch;
-  size_t scratch_size;
+  plan_memory view_memory; /* of the last view's list */
+  size_t view_memory_size;
 };
 
 /* ---- context.c ---- */

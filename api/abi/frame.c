@@ -65,6 +65,25 @@ static bool only_receivers(const csm_context *context, const csm_frame *frame) {
   return context_device(context)->own || frame->flags & CSM_FRAME_RECEIVERS;
 }
 
+/* Instances that a plan has room for, so that no plan of a small scene is made twice. */
+enum { room_to_begin_with = 1024 };
+
+/* A plan that finds more than there is room for is made once more. */
+static csm_result plan_with_room(host *host, planned *out, const plan_frame_info *info) {
+  const char *text = "";
+  const uint32_t slots = info->scene->slot_count, begin = slots < room_to_begin_with ? slots : room_to_begin_with;
+  csm_result result;
+  out->memory.most = out->memory.most > begin ? out->memory.most : begin;
+  do {
+    const size_t size = plan_memory_size(out->memory.most, info->scene->mesh_count, plan_windows_most(info->config));
+    result = host_grow(host, &out->memory.at, &out->size, size);
+    if (result)
+      return result;
+    result = plan_frame_make(&out->frame, info, &out->memory, &text);
+  } while (result == CSM_ERROR_OUT_OF_MEMORY && plan_memory_short(&out->memory));
+  return result ? host_fail(host, result, "csm_frame: %s", text) : CSM_SUCCESS;
+}
+
 /* What a frame's camera sees, by a depth that was drawn for this very frame. */
 typedef struct frame_depth {
   const plan_seen_depth *seen; /* NULL: it is not known */
@@ -125,15 +144,11 @@ static csm_result make_plan(csm_cascades *cascades, const frame_input *input, co
   result = gather_samples(cascades, &sample_count);
   if (!result && frame->scene)
     result = reserve_cache(cascades, scene);
-  if (!result)
-    result = host_grow(&context->host, &out->memory, &out->size,
-                       plan_memory_size(scene->slot_count, scene->mesh_count, plan_windows_most(&cascades->config)));
   if (result)
     return result;
   if (frame->draw && plan_has_pages(&cascades->config))
     return host_fail(&context->host, CSM_ERROR_UNSUPPORTED,
                      "csm_frame: map_layout pages keeps what it knows of, and draw casts what no instance tells");
-  const char *text = "";
   const plan_frame_info info = {.config = &cascades->config,
                                 .view = input->camera.view,
                                 .projection = input->camera.projection,
@@ -152,9 +167,9 @@ static csm_result make_plan(csm_cascades *cascades, const frame_input *input, co
                                 .samples = cascades->samples,
                                 .sample_count = sample_count,
                                 .jitter = (uint32_t)cascades->renders};
-  result = plan_frame_make(&out->frame, &info, out->memory, &text);
+  result = plan_with_room(&context->host, out, &info);
   if (result)
-    return host_fail(&context->host, result, "csm_frame: %s", text);
+    return result;
   out->camera = input->camera;
   out->light = input->light;
   out->flags = frame->flags;

@@ -52,17 +52,20 @@ static csm_result read_camera(csm_context *context, resolve *r) {
   return result ? host_fail(&context->host, result, "csm_frame: %s", text) : CSM_SUCCESS;
 }
 
-/* Which instances the camera sees, in the context's scratch memory. */
-static csm_result look(csm_context *context, resolve *r) {
+/* Which instances the camera sees. `cache`: of cascades that may have been drawn of the same scene, or NULL. */
+static csm_result look(csm_context *context, const plan_cache *cache, resolve *r) {
   if (r->info.camera_depth || r->depth_kept)
     return CSM_SUCCESS;
   csm_result result = frame_input_scene(context, &r->input, &context->list, &r->scene);
-  if (!result)
-    result = host_grow(&context->host, &context->scratch, &context->scratch_size,
-                       plan_memory_size(r->scene.slot_count, r->scene.mesh_count, 0));
+  plan_memory *memory = &context->view_memory;
+  bool seen = false;
+  while (!result && !seen) {
+    result = host_grow(&context->host, &memory->at, &context->view_memory_size,
+                       plan_memory_size(memory->most, r->scene.mesh_count, 0));
+    seen = !result && (plan_view_make(&r->seen, &r->camera, &r->scene, cache, memory) || !plan_memory_short(memory));
+  }
   if (result)
     return result;
-  plan_view_make(&r->seen, &r->camera, &r->scene, context->scratch);
   plan_depth_camera_make(&r->depth_camera, &r->camera, &r->seen, &r->scene);
   return CSM_SUCCESS;
 }
@@ -166,7 +169,7 @@ csm_result CSM_CALL csm_resolve_mask(csm_view *view, csm_cascades *cascades, con
   if (result)
     return result;
   keep_depth(context, view, &r);
-  result = look(context, &r);
+  result = look(context, &cascades->cache, &r);
   if (!result)
     result = record(view, cascades, &r);
   if (result)
@@ -205,7 +208,7 @@ csm_result CSM_CALL csm_reduce_depth(csm_view *view, const csm_mask_info *in) {
   if (!result)
     result = read_camera(context, &r);
   if (!result)
-    result = look(context, &r);
+    result = look(context, NULL, &r);
   if (!result)
     result = record_reduction(view, &r);
   if (result)

@@ -71,7 +71,7 @@ static csm_result casters_of_scene(csm_cascades *cascades, uint32_t count, const
       return host_fail(host, CSM_ERROR_INVALID_HANDLE, "id %u: instance %llx does not exist", i,
                        (unsigned long long)ids[i]);
   for (uint32_t i = 0; i < count; ++i)
-    drawn[i] = planned->frame.drawn[instances_find(store, ids[i])];
+    drawn[i] = (uint8_t)plan_drawn_by(&planned->frame, instances_find(store, ids[i]));
   return CSM_SUCCESS;
 }
 
@@ -97,6 +97,6 @@ csm_result CSM_CALL csm_get_casters(csm_cascades *cascades, uint32_t count, cons
     return host_fail(host, CSM_ERROR_INVALID_VALUE, "count is %u, and the frame had %u instances", count,
                      planned->instances);
   for (uint32_t i = 0; i < count; ++i)
-    drawn[i] = planned->frame.drawn[i];
+    drawn[i] = (uint8_t)plan_drawn_by(&planned->frame, i);
   return CSM_SUCCESS;
 }

@@ -51,7 +51,8 @@ static bool find_casters(plan_span *casters, const plan_fit_frame *frame, const 
   const double depths[2] = {frame->camera->near_depth, fmin(frame->config->shadow_distance, frame->camera->far_depth)};
   if (frame->config->caster_set == CSM_CASTER_SET_VIEW)
     plan_view_hull(&hull, frame->camera, frame->basis, depths, filter_room(frame));
-  const plan_light_cull to = {.basis = frame->basis, .hull = &hull, .layers = info->light_layers, .cache = info->cache};
+  const plan_kept kept = plan_cache_fill(info->cache, frame->basis, info->scene);
+  const plan_light_cull to = {.basis = frame->basis, .hull = &hull, .layers = info->light_layers, .kept = &kept};
   if (!plan_casters_span(casters, &to, info->scene))
     return false;
   const double width = fmax(casters->high[0] - casters->low[0], casters->high[1] - casters->low[1]);
@@ -107,16 +108,16 @@ static double view_room(const plan_fit *fits, const csm_config *config) {
 
 /* Whether nothing is asked for that a caster could shade: only where visibility is asked for no further than the camera
  * sees. */
-static bool shades_nothing(const plan_frame *frame, const plan_frame_info *info) {
+static bool shades_nothing(const plan_frame *frame, const plan_frame_info *info, const plan_order *order) {
   const double end = frame->cascades[frame->cascade_count - 1].info.far_depth;
   return info->config->caster_set == CSM_CASTER_SET_VIEW && info->all_receivers &&
-         !plan_sees_receivers(&frame->camera, info->scene, end);
+         !plan_sees_receivers(&frame->camera, info->scene, order, end);
 }
 
-static void note_drawn(plan_frame *frame, const plan_lists *lists) {
-  for (uint32_t slot = 0; slot < frame->slot_count; ++slot)
-    lists->drawn[slot] = (uint8_t)lists->masks[slot];
-  frame->drawn = lists->drawn;
+/* Lists are of cascades: these draw what is in them. */
+static void note_drawn(const plan_lists *lists) {
+  for (uint32_t i = 0; i < lists->found_count; ++i)
+    lists->found[i].drawn = (uint32_t)lists->found[i].mask;
 }
 
 /* Lists for as many windows. */
@@ -138,41 +139,47 @@ static uint32_t count_read(const plan_cells *cells, uint32_t count) {
 
 /* Leaves out what lies over no cell of a map that is read, and, of pages, over none that is to be drawn. */
 static void cull_by_cells(plan_frame *frame, const fitted *fitted, const plan_frame_info *info, plan_lists *lists,
-                          const plan_light_cull *cull, const plan_kept *kept) {
+                          const plan_light_cull *cull) {
   plan_cells cells[PLAN_WINDOWS_MOST];
+  const plan_order *order = &cull->kept->order;
   if (info->config->caster_set == CSM_CASTER_SET_VIEW)
     frame->cells_by = info->seen ? CSM_CELLS_DEPTH : info->all_receivers ? CSM_CELLS_RECEIVERS : CSM_CELLS_ALL;
+  const bool culls = frame->cells_by != CSM_CELLS_ALL || frame->pages;
   if (frame->cells_by != CSM_CELLS_ALL)
-    plan_read_cells(cells, frame, fitted->areas, info);
+    plan_read_cells(cells, frame, fitted->areas, order, info);
   else if (frame->pages)
     plan_seen_cells(cells, frame, fitted->areas, info->config);
-  else
-    return;
-  frame->cells_read = count_read(cells, frame->cascade_count);
-  plan_cull_unread(lists, cells, cull, kept, info->scene);
-  if (!frame->pages)
-    return;
-  note_drawn(frame, lists);
-  plan_pages_make(frame, fitted->fits, lists, cells, info);
-  begin_lists(frame, lists, frame->window_count, info->scene);
-  plan_cull_unread(lists, cells, cull, kept, info->scene);
+  if (culls) {
+    frame->cells_read = count_read(cells, frame->cascade_count);
+    plan_cull_unread(lists, cells, cull, info->scene);
+  }
+  if (frame->pages) {
+    note_drawn(lists);
+    plan_pages_make(frame, fitted->fits, lists, cells, info);
+    begin_lists(frame, lists, frame->window_count, info->scene);
+    plan_cull_unread(lists, cells, cull, info->scene);
+  }
+  plan_lists_sort(lists, order);
+  if (culls)
+    plan_cull_unread_parts(lists, cells, cull, info->scene);
 }
 
 /* Pages that something moved over are no longer valid, though none is drawn. */
 static void read_nothing(plan_frame *frame, const fitted *fitted, const plan_frame_info *info, plan_lists *lists) {
   plan_cells cells[PLAN_WINDOWS_MOST];
-  (void)plan_cache_fill(info->cache, frame->basis, info->scene);
   for (uint32_t i = 0; i < frame->cascade_count; ++i)
     plan_cells_lay(&cells[i], &fitted->areas[i]);
   plan_pages_make(frame, fitted->fits, lists, cells, info);
 }
 
-/* Where each map lies along the light, which is where its casters begin, and what is drawn into it. */
-static void cull_and_place(plan_frame *frame, fitted *fitted, const plan_frame_info *info, plan_lists *lists) {
+/* Where each map lies along the light, which is where its casters begin, and what is drawn into it. False: there is no room for
+ * all that was found. */
+static bool cull_and_place(plan_frame *frame, fitted *fitted, const plan_frame_info *info, plan_lists *lists) {
   const csm_config *config = info->config;
+  const plan_kept kept = plan_cache_fill(info->cache, frame->basis, info->scene);
   plan_scene_box box = {0};
   if (config->depth_mode == CSM_DEPTH_SCENE || config->depth_mode == CSM_DEPTH_SCENE_CLIPPED || frame->pages)
-    plan_scene_bounds(&box, frame->basis, info->scene);
+    plan_scene_bounds(&box, frame->basis, info->scene, &kept.order);
   if (frame->pages)
     plan_pages_depth(&box, frame, fitted->fits, info);
   plan_hull hull = {0};
@@ -185,16 +192,20 @@ static void cull_and_place(plan_frame *frame, fitted *fitted, const plan_frame_i
     fitted->areas[i].first_caster = INFINITY;
   }
   const plan_light_cull to = {
-      .basis = frame->basis, .hull = &hull, .layers = info->light_layers, .areas = fitted->areas, .cache = info->cache};
-  const bool shades = !shades_nothing(frame, info);
-  const plan_kept kept = shades ? plan_cull_light(lists, &to, info->scene) : (plan_kept){0};
+      .basis = frame->basis, .hull = &hull, .layers = info->light_layers, .areas = fitted->areas, .kept = &kept};
+  const bool shades = !shades_nothing(frame, info, &kept.order);
+  if (shades)
+    plan_cull_light(lists, &to, info->scene);
+  if (!plan_lists_fit(lists))
+    return false;
   for (uint32_t i = 0; i < frame->cascade_count; ++i)
     plan_fit_place(&frame->cascades[i], &fitted->fits[i], &fitted->areas[i], frame->basis, config);
   if (shades)
-    cull_by_cells(frame, fitted, info, lists, &to, &kept);
+    cull_by_cells(frame, fitted, info, lists, &to);
   else if (frame->pages)
     read_nothing(frame, fitted, info, lists);
-  frame->to_light = (const double(*)[12])kept.transforms;
+  frame->to_light = shades ? (const double(*)[12])kept.transforms : NULL;
+  return true;
 }
 
 /* A window is a whole map. */
@@ -210,12 +221,12 @@ static void count_casters(plan_frame *frame, const plan_lists *lists) {
   uint64_t windows[CSM_MAX_CASCADES] = {0};
   for (uint32_t i = 0; i < frame->window_count; ++i)
     windows[frame->windows[i].cascade] |= (uint64_t)1 << i;
-  for (uint32_t slot = 0; slot < frame->slot_count; ++slot)
-    for (uint32_t i = 0; lists->masks[slot] && i < frame->cascade_count; ++i)
-      frame->cascades[i].casters += (lists->masks[slot] & windows[i]) != 0;
+  for (uint32_t at = 0; at < lists->found_count; ++at)
+    for (uint32_t i = 0; i < frame->cascade_count; ++i)
+      frame->cascades[i].casters += (lists->found[at].mask & windows[i]) != 0;
 }
 
-csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *memory, const char **error) {
+csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, plan_memory *memory, const char **error) {
   plan_frame frame = {.cascade_count = info->config->cascade_count,
                       .slot_count = info->scene->slot_count,
                       .pages = plan_has_pages(info->config)};
@@ -226,15 +237,16 @@ csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *m
   if (result)
     return result;
   plan_lists lists = {.count = frame.cascade_count, .sides = true, .among = info->scene->caster_count};
-  plan_lists_begin(&lists, info->scene, memory);
+  plan_lists_begin(&lists, memory);
   if (!frame.pages)
     begin_lists(&frame, &lists, frame.cascade_count, info->scene);
-  if (!frame.unshadowed)
-    cull_and_place(&frame, &fitted, info, &lists);
+  if (!frame.unshadowed && !cull_and_place(&frame, &fitted, info, &lists))
+    return plan_fail(error, CSM_ERROR_OUT_OF_MEMORY, "there is no room for all that may be drawn");
   for (uint32_t i = 0; i < frame.cascade_count && frame.unshadowed; ++i)
     plan_fit_nothing(&frame.cascades[i], i, frame.basis, info->config);
-  if (!frame.drawn)
-    note_drawn(&frame, &lists);
+  if (!frame.pages)
+    note_drawn(&lists);
+  plan_lists_drawn(&lists, &frame);
   if (!frame.pages)
     place_windows(&frame);
   else if (!lists.room)

@@ -286,10 +286,77 @@ void plan_view_hull(plan_hull *out, const plan_camera *camera, const double basi
                     double room);
 /* Whether a box across the light lies outside. */
 bool plan_outside_hull(const plan_hull *hull, const double low[2], const double high[2]);
-void plan_scene_bounds(plan_scene_box *out, const double basis[9], const plan_scene *scene);
 
-/* Boxes of casters in light space, a block of slots after the other; one that is not a caster's meets no area. */
+/* ---- order ---- */
 enum { PLAN_BLOCK = 64 };
+
+/* Boxes in the world around all that casts or receives in each of 64 blocks, or of 64 groups of so many blocks. */
+typedef struct plan_bounds_block {
+  double low[3][PLAN_BLOCK], high[3][PLAN_BLOCK];
+} plan_bounds_block;
+
+/* The places of instances, in blocks of 64, of which 64 are a group, and 64 groups a top; what has neighbouring places lies
+ * together in the world. Zero is none: each slot is its own place, and nothing is known of blocks. */
+typedef struct plan_order {
+  plan_bounds_block *tops, *groups; /* of groups; of blocks */
+  double *widths;                   /* by block: the sum of its sides as it was put in order */
+  uint64_t *changed;                /* by group, a bit for each block: its bounds are to be found anew */
+  uint32_t *slots, *places;         /* by place, and by slot */
+  uint64_t *marks, *marked;         /* for sorting: bits of slots, and of marks that are not 0; 0 in between */
+  uint32_t *indices;                /* likewise, by slot */
+  uint32_t block_count, group_count, top_count;
+} plan_order;
+
+size_t plan_order_size(uint32_t slot_count);
+/* Where all of it lies in memory of that size, aligned to 8. */
+void plan_order_find(plan_order *out, void *memory, uint32_t slot_count);
+/* Puts a scene's instances in order. `scratch`: 16 bytes for each slot. */
+void plan_order_make(const plan_order *order, const plan_scene *scene, void *scratch);
+/* A slot's instance has changed. */
+void plan_order_note(const plan_order *order, uint32_t slot);
+/* Fits bounds to what has changed. Returns how many more blocks are twice as wide as when they were put in order. */
+int64_t plan_order_fit(const plan_order *order, const plan_scene *scene);
+/* Around all that casts or receives; low above high: nothing does. */
+plan_box plan_order_bounds(const plan_order *order);
+
+static inline uint32_t plan_slot_at(const plan_order *order, uint32_t place) {
+  return order->slots ? order->slots[place] : place;
+}
+
+static inline uint32_t plan_place_of(const plan_order *order, uint32_t slot) {
+  return order->places ? order->places[slot] : slot;
+}
+
+/* An instance that lists hold. */
+typedef struct plan_found {
+  uint64_t mask;   /* bit i is set if list i holds it */
+  uint64_t partly; /* of those: bit i is set if list i draws it in parts */
+  uint32_t slot, place;
+  uint32_t drawn; /* bit i is set if cascade i draws it */
+} plan_found;
+
+/* Puts what was found in the order of slots. Precondition: each is there once. */
+void plan_order_sort(const plan_order *order, plan_found *out, const plan_found *found, uint32_t count);
+
+/* Of 64 boxes, a bit for each: those in which something may lie that is looked for. */
+typedef uint64_t plan_meets(const void *with, const plan_bounds_block *bounds);
+
+/* Leads through the blocks in which something may lie that is looked for; through all of them where there is no order. */
+typedef struct plan_walk {
+  const plan_order *order;
+  plan_meets *meets;
+  const void *with;
+  uint32_t block_count, next, group;
+  uint64_t groups, blocks;
+} plan_walk;
+
+plan_walk plan_walk_begin(const plan_order *order, uint32_t slot_count, plan_meets *meets, const void *with);
+bool plan_walk_next(plan_walk *walk, uint32_t *block);
+
+/* ---- casters ---- */
+void plan_scene_bounds(plan_scene_box *out, const double basis[9], const plan_scene *scene, const plan_order *order);
+
+/* Of casters, a block of places after the other; one that is not a caster's meets no area. */
 typedef struct plan_light_block {
   double low[3][PLAN_BLOCK], high[3][PLAN_BLOCK];
   double largest; /* no caster's size is above it: the diagonal of its box, squared */
@@ -304,7 +371,9 @@ enum { PLAN_SPOILS_PAGES = 1, PLAN_SPOILS_STILL = 2 };
 
 /* What a cache keeps for a light. */
 typedef struct plan_kept {
-  plan_light_block *blocks;  /* of casters; NULL: nothing is kept */
+  plan_order order;
+  plan_light_block *blocks;  /* of casters, in order; NULL: nothing is kept */
+  uint64_t *filled;          /* by group, a bit for each block: it is there, with its transforms */
   double (*transforms)[12];  /* of casters, by slot: stored positions to light space, three rows of four */
   plan_span_across *changed; /* as many as the cache says */
   uint8_t *spoils;           /* PLAN_SPOILS_*, of each of them */
@@ -315,14 +384,19 @@ typedef struct plan_kept {
 
 /* What the cache has, as it is. Precondition: it keeps something. */
 plan_kept plan_cache_kept(const plan_cache *cache);
+/* Where a slot's caster lies; false: it casts nothing, or met no map under this light. */
+bool plan_kept_box(plan_span_across *out, const plan_kept *kept, uint32_t slot);
 /* Forgets what changed before. */
 void plan_cache_forget_changes(plan_cache *cache);
 /* Takes from those that keep moving what has not moved for long. */
 void plan_cache_rest(plan_cache *cache);
 /* What the cache has for this light, after bringing it up to date. */
 plan_kept plan_cache_fill(plan_cache *cache, const double basis[9], const plan_scene *scene);
-/* The boxes of the slots from `first` on. */
-void plan_light_block_make(plan_light_block *out, const double basis[9], const plan_scene *scene, uint32_t first);
+/* The order of a scene's instances, if a cache, which may be NULL, knows all of them as they are. */
+plan_order plan_cache_order(const plan_cache *cache, const plan_scene *scene);
+/* A block: what is kept of it, from now on, or what is made of it in `made`. */
+const plan_light_block *plan_light_block_at(plan_light_block *made, const plan_kept *kept, const double basis[9],
+                                            const plan_scene *scene, uint32_t block);
 
 /* The lists of a plan while they are made. */
 typedef struct plan_lists {
@@ -330,12 +404,11 @@ typedef struct plan_lists {
   uint32_t count;
   bool sides;     /* mirrored instances are drawn apart */
   uint32_t among; /* instances that might be drawn */
-  void *memory;
-  uint64_t *masks;  /* by slot, a whole number of blocks: bit i is set if list i holds it */
-  uint8_t *drawn;   /* by slot: room for plan_frame.drawn */
-  bool room;        /* plan_lists_room was called: parts may be drawn */
-  uint32_t *counts; /* [plan_list_key * count + list]: instances of that key in the list */
-  uint64_t *partly; /* by slot, of those that masks names: bit i is set if list i draws it in parts */
+  plan_memory *memory;
+  plan_found *found;    /* by place, and after plan_lists_sort by slot */
+  uint32_t found_count; /* above what there is room for: the last ones are not there */
+  bool room;            /* plan_lists_room was called: parts may be drawn */
+  uint32_t *counts;     /* [plan_list_key * count + list]: instances of that key in the list */
   /* by list: draws of parts, by slot and by index; `first` counts the slots that are drawn so */
   plan_draw *part_draws[PLAN_WINDOWS_MOST];
   uint32_t part_counts[PLAN_WINDOWS_MOST];
@@ -349,12 +422,30 @@ static inline uint32_t plan_list_key(const plan_lists *lists, const plan_instanc
   return instance->mesh * 2 + (lists->sides ? instance->mirrored : 0);
 }
 
-/* Makes room for the masks, which are 0, in memory of plan_memory_size bytes. */
-void plan_lists_begin(plan_lists *lists, const plan_scene *scene, void *memory);
+/* Begins with nothing found. `memory` may be NULL where nothing can be. */
+void plan_lists_begin(plan_lists *lists, plan_memory *memory);
+/* How many there is room for. */
+static inline uint32_t plan_lists_most(const plan_lists *lists) {
+  return lists->memory ? lists->memory->most : 0;
+}
+
+/* Notes an instance. Precondition: none with that slot is there. */
+static inline void plan_lists_add(plan_lists *lists, const plan_found *found) {
+  if (lists->found_count < plan_lists_most(lists))
+    lists->found[lists->found_count] = *found;
+  ++lists->found_count;
+}
+
+/* Whether there is room for all that were found. Tells the memory how many these were. */
+bool plan_lists_fit(const plan_lists *lists);
+/* Puts what was found in the order of slots. */
+void plan_lists_sort(plan_lists *lists, const plan_order *order);
 /* Makes room for as many lists as there are, all empty. */
 void plan_lists_room(plan_lists *lists, const plan_scene *scene);
-/* Makes every list, there, from the masks. */
+/* Makes every list, there, from what was found and sorted. */
 void plan_lists_end(plan_lists *lists, const plan_scene *scene);
+/* Tells a frame what its cascades draw. */
+void plan_lists_drawn(const plan_lists *lists, plan_frame *frame);
 
 /* Which cells of a map are read. */
 typedef struct plan_cells {
@@ -374,22 +465,23 @@ bool plan_cells_meet_some(const plan_cells *cells, const double low[2], const do
 typedef struct plan_light_cull {
   const double *basis;
   const plan_hull *hull;
-  uint32_t layers;   /* 0: all */
-  plan_area *areas;  /* whose first_caster is INFINITY yet */
-  plan_cache *cache; /* may be NULL */
+  uint32_t layers;  /* 0: all */
+  plan_area *areas; /* whose first_caster is INFINITY yet */
+  const plan_kept *kept;
 } plan_light_cull;
 /* The span of all casters that may shade what lies in the hull; false: there are none. */
 bool plan_casters_span(plan_span *out, const plan_light_cull *cull, const plan_scene *scene);
-/* Notes in list i what casts into area i, and how far towards the light those casters reach. Returns what is kept. */
-plan_kept plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const plan_scene *scene);
-/* Takes from each list what lies over no cell of its map that is read, and, where lists have room, parts of large
- * meshes; `kept` is what plan_cull_light returned. */
-void plan_cull_unread(plan_lists *lists, const plan_cells *cells, const plan_light_cull *cull, const plan_kept *kept,
-                      const plan_scene *scene);
+/* Notes in list i what casts into area i, and how far towards the light those casters reach. */
+void plan_cull_light(plan_lists *lists, const plan_light_cull *cull, const plan_scene *scene);
+/* Takes from each list what lies over no cell of its map that is read. */
+void plan_cull_unread(plan_lists *lists, const plan_cells *cells, const plan_light_cull *cull, const plan_scene *scene);
+/* Likewise the parts of large meshes. Preconditions: plan_lists_room, plan_lists_sort. */
+void plan_cull_unread_parts(plan_lists *lists, const plan_cells *cells, const plan_light_cull *cull,
+                            const plan_scene *scene);
 
-/* Likewise the parts of one slot's mesh, whose box across the light is given, from the lists that hold it. */
-void plan_cull_parts(plan_lists *lists, const plan_cells *cells, const double basis[9], const plan_scene *scene,
-                     uint32_t slot, const double low[2], const double high[2]);
+/* The parts of one instance's mesh, whose box across the light is given, from the lists that hold it. */
+void plan_cull_parts(plan_lists *lists, plan_found *found, const plan_cells *cells, const double basis[9],
+                     const plan_scene *scene, const plan_span_across *box);
 
 /* ---- receivers ---- */
 /* Where receivers lie: in light space, and along the view. */
@@ -406,10 +498,11 @@ typedef struct plan_box_sink {
 /* Tells boxes that hold all surfaces of a picture that lie before a view depth: seen_depth.c. */
 void plan_seen_walk(const plan_seen_depth *seen, const plan_frame *frame, double end, const plan_box_sink *sink);
 /* Whether a camera sees any receiver, up to a view depth. */
-bool plan_sees_receivers(const plan_camera *camera, const plan_scene *scene, double end);
+bool plan_sees_receivers(const plan_camera *camera, const plan_scene *scene, const plan_order *order, double end);
 /* Which cells of each cascade's map are read for the receivers that the frame's camera sees: by its depth, if that is
  * there, or by all receivers that it may see. The maps are placed. */
-void plan_read_cells(plan_cells *cells, const plan_frame *frame, const plan_area *areas, const plan_frame_info *info);
+void plan_read_cells(plan_cells *cells, const plan_frame *frame, const plan_area *areas, const plan_order *order,
+                     const plan_frame_info *info);
 /* Likewise, of maps that may be read wherever the camera sees, or, with caster_set map, everywhere. */
 void plan_seen_cells(plan_cells *cells, const plan_frame *frame, const plan_area *areas, const csm_config *config);
 

@@ -144,24 +144,22 @@ static void spoil(page_state *state, const plan_cells *like, const plan_frame_in
 }
 
 static void add_slot(plan_cells *cells, const plan_kept *kept, uint32_t slot, double texel) {
-  const plan_light_block *block = &kept->blocks[slot / PLAN_BLOCK];
-  const uint32_t at = slot % PLAN_BLOCK;
-  if (block->low[0][at] <= block->high[0][at])
-    add_box(cells, (double[]){block->low[0][at], block->low[1][at]}, (double[]){block->high[0][at], block->high[1][at]},
-            texel);
+  plan_span_across box;
+  if (plan_kept_box(&box, kept, slot))
+    add_box(cells, box.low, box.high, texel);
 }
 
 /* What stands still is looked for among what the cascade draws. */
 static void find_moving(page_state *state, const plan_cells *like, const plan_cache *cache, const plan_lists *lists,
-                        const plan_frame *frame, uint32_t cascade, double texel) {
+                        uint32_t cascade, double texel) {
   const plan_cells none = {.begin = {like->begin[0], like->begin[1]}, .size = {like->size[0], like->size[1]}};
   const plan_kept kept = plan_cache_kept(cache);
   plan_cells moving = none, standing = none;
   for (uint32_t i = 0; i < cache->movers; ++i)
     add_slot(&moving, &kept, kept.movers[i], texel);
-  for (uint32_t slot = 0; slot < frame->slot_count; ++slot)
-    if (lists->masks[slot] >> cascade & 1 && !kept.moves[slot])
-      add_slot(&standing, &kept, slot, texel);
+  for (uint32_t i = 0; i < lists->found_count; ++i)
+    if (lists->found[i].mask >> cascade & 1 && !kept.moves[lists->found[i].slot])
+      add_slot(&standing, &kept, lists->found[i].slot, texel);
   memcpy(state->moving.rows, moving.read, sizeof moving.read);
   memcpy(state->standing.rows, standing.read, sizeof standing.read);
 }
@@ -184,7 +182,7 @@ static page_state find_state(const plan_frame *frame, uint32_t cascade, const pl
   }
   const plan_cache *cache = cache_of(info);
   if (cache && cache->movers)
-    find_moving(&state, like, cache, lists, frame, cascade, texel);
+    find_moving(&state, like, cache, lists, cascade, texel);
   return state;
 }
 
@@ -267,15 +265,16 @@ static plan_windows make_map(plan_frame *frame, uint32_t cascade, const plan_fit
 }
 
 /* From masks of cascades to masks of windows. */
-static void spread(plan_lists *lists, const plan_frame *frame, const plan_windows *windows, const plan_cache *cache) {
+static void spread(plan_lists *lists, const plan_windows *windows, const plan_cache *cache) {
   const bool *moves = cache && cache->movers ? plan_cache_kept(cache).moves : NULL;
-  for (uint32_t slot = 0; slot < frame->slot_count; ++slot) {
+  for (uint32_t i = 0; i < lists->found_count; ++i) {
+    const plan_window_kind kind = moves && moves[lists->found[i].slot] ? PLAN_WINDOW_MOVING : PLAN_WINDOW_STILL;
     uint64_t of_windows = 0;
-    for (uint64_t mask = lists->masks[slot]; mask; mask &= mask - 1) {
+    for (uint64_t mask = lists->found[i].mask; mask; mask &= mask - 1) {
       const plan_windows *of = &windows[__builtin_ctzll(mask)];
-      of_windows |= of->of[PLAN_WINDOW_ALL] | of->of[moves && moves[slot] ? PLAN_WINDOW_MOVING : PLAN_WINDOW_STILL];
+      of_windows |= of->of[PLAN_WINDOW_ALL] | of->of[kind];
     }
-    lists->masks[slot] = of_windows;
+    lists->found[i].mask = of_windows;
   }
 }
 
@@ -289,7 +288,7 @@ void plan_pages_make(plan_frame *frame, const plan_fit *fits, plan_lists *lists,
   for (uint32_t i = 0; i < frame->cascade_count; ++i)
     windows[i] = make_map(frame, i, &fits[i], lists, cells, &read[i], info);
   const plan_cache *cache = cache_of(info);
-  spread(lists, frame, windows, cache);
+  spread(lists, windows, cache);
   history->pages_identity = cache ? info->scene->identity : 0;
   history->pages_revision = cache ? cache->revision : 0;
   history->pages_plan = cache ? cache->plans : 0;

@@ -66,25 +66,25 @@ static bool add_draws(plan_lists *lists, uint32_t list, const plan_draw *whole, 
   return true;
 }
 
-void plan_cull_parts(plan_lists *lists, const plan_cells *cells, const double basis[9], const plan_scene *scene,
-                     uint32_t slot, const double low[2], const double high[2]) {
-  const plan_instance *instance = &scene->instances[slot];
+void plan_cull_parts(plan_lists *lists, plan_found *found, const plan_cells *cells, const double basis[9],
+                     const plan_scene *scene, const plan_span_across *box) {
+  const plan_instance *instance = &scene->instances[found->slot];
   const plan_parts parts = plan_parts_of(scene, instance);
   const plan_draw whole = {.mesh = instance->mesh, .count = 1, .mirrored = plan_list_key(lists, instance) & 1};
   const uint64_t all = drawable(&parts);
   part_box boxes[PLAN_MOST_PARTS];
   bool placed = false;
-  for (uint64_t rest = lists->masks[slot]; rest; rest &= rest - 1) {
+  for (uint64_t rest = found->mask; rest; rest &= rest - 1) {
     const uint32_t list = (uint32_t)__builtin_ctzll(rest);
-    if (!plan_cells_meet_some(&cells[list], low, high))
+    if (!plan_cells_meet_some(&cells[list], box->low, box->high))
       continue;
     if (!placed)
       place_parts(boxes, &parts, basis, instance, &scene->meshes[instance->mesh]);
     placed = true;
     const uint64_t read = find_read(&cells[list], boxes, all);
     if (!read)
-      lists->masks[slot] &= ~((uint64_t)1 << list);
+      found->mask &= ~((uint64_t)1 << list);
     else if (read != all && add_draws(lists, list, &whole, &parts, read))
-      lists->partly[slot] |= (uint64_t)1 << list;
+      found->partly |= (uint64_t)1 << list;
   }
 }

@@ -344,6 +344,11 @@ typedef struct plan_window {
 
 enum { PLAN_WINDOWS_MOST = 8 * CSM_MAX_CASCADES };
 
+/* Which cascades draw an instance, a bit each; of pages those of which it lies over one that is read. */
+typedef struct plan_drawn_slot {
+  uint32_t slot, cascades;
+} plan_drawn_slot;
+
 typedef struct plan_frame {
   plan_camera camera;
   /*
@@ -360,9 +365,8 @@ typedef struct plan_frame {
   plan_cascade cascades[CSM_MAX_CASCADES];
   uint32_t window_count;
   plan_window windows[PLAN_WINDOWS_MOST];
-  const uint8_t
-      *drawn; /* by slot: bit i is set if cascade i draws it, or of pages if it lies over one that is read; NULL
-                           if there are no slots */
+  const plan_drawn_slot *drawn; /* by slot, of what some cascade draws */
+  uint32_t drawn_count;
   uint32_t slot_count;
   uint32_t cells_by;            /* CSM_CELLS_* */
   uint32_t cells_read;          /* of all maps */
@@ -383,6 +387,8 @@ typedef struct plan_cache {
   double basis[9];
   uint32_t changed; /* boxes of what changed since plan_pages_begin, as they were and as they are */
   bool unknown;     /* not all of them are there */
+  int64_t loose;    /* blocks that have grown twice as wide as they were when instances were put in order */
+  uint64_t strayed; /* changes since then */
   uint32_t plans;   /* of pages, so far */
   uint32_t movers;  /* casters that keep moving */
 } plan_cache;
@@ -410,22 +416,41 @@ typedef struct plan_frame_info {
 
 /* The most windows that a plan of a configuration has. */
 uint32_t plan_windows_most(const csm_config *config);
-/* Bytes of memory, aligned to 16, that a plan of so many slots, meshes and windows (0 for a camera's) needs. */
-size_t plan_memory_size(uint32_t slot_count, uint32_t mesh_count, uint32_t window_count);
+/*
+ * Where a plan's lists lie. A plan says how many instances it found that might be drawn, and fails if there is no room for so
+ * many. Room for all slots is always enough.
+ */
+typedef struct plan_memory {
+  void *at;       /* plan_memory_size bytes */
+  uint32_t most;  /* instances that there is room for */
+  uint32_t found; /* by the last plan */
+} plan_memory;
+
+/* Bytes of memory, aligned to 16, that a plan of so many found instances, meshes and windows (0 for a camera's) needs. */
+size_t plan_memory_size(uint32_t most, uint32_t mesh_count, uint32_t window_count);
+/* Whether the last plan found more than there was room for. Asks for room for them, and some more, which the owner then gives. */
+bool plan_memory_short(plan_memory *memory);
 
 /*
  * Plans the cascades. Preconditions: the configuration is checked, every instance has passed plan_instance_check, its
- * mesh is below mesh_count. `memory` holds the lists as long as `out` is used.
- * Errors: those of plan_camera_make and plan_light_basis, and INVALID_CAMERA (numbers too large to plan with),
+ * mesh is below mesh_count. `memory` holds the lists as long as `out` is used; it may be NULL where there are no slots.
+ * Errors: OUT_OF_MEMORY (plan_memory_short: to be called again with room for more), those of plan_camera_make and plan_light_basis, and INVALID_CAMERA (numbers too large to plan with),
  * NOT_FINITE and INVALID_VALUE (origin).
  */
-csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, void *memory, const char **error);
+csm_result plan_frame_make(plan_frame *out, const plan_frame_info *info, plan_memory *memory, const char **error);
 
 /* Makes a plan of pages that of the same frame once more, in which nothing has changed: no page is drawn. */
 void plan_frame_rest(plan_frame *frame);
 
-/* What a camera sees of the receivers, for a depth pre-pass. */
-void plan_view_make(plan_list *out, const plan_camera *camera, const plan_scene *scene, void *memory);
+/* The cascades that draw a slot's instance, a bit each. */
+uint32_t plan_drawn_by(const plan_frame *frame, uint32_t slot);
+
+/*
+ * What a camera sees of the receivers, for a depth pre-pass. A cache that knows the scene as it is spares looking at all of them;
+ * it may be NULL. False: plan_memory_short.
+ */
+bool plan_view_make(plan_list *out, const plan_camera *camera, const plan_scene *scene, const plan_cache *cache,
+                    plan_memory *memory);
 
 /* ---- a camera's depth ---- */
 /*

@@ -68,31 +68,91 @@ static bool is_seen(plan_placed *box, const view_planes *planes, const plan_came
   return !outside_planes(planes, box);
 }
 
-void plan_view_make(plan_list *out, const plan_camera *camera, const plan_scene *scene, void *memory) {
-  *out = (plan_list){0};
-  plan_lists lists = {.lists = {out}, .count = 1, .among = scene->receiver_count};
-  view_planes planes;
-  clip_planes(&planes, camera);
-  plan_lists_begin(&lists, scene, memory);
-  for (uint32_t slot = 0; slot < scene->slot_count; ++slot) {
-    const plan_instance *instance = &scene->instances[slot];
-    plan_placed box;
-    if (!is_seen(&box, &planes, camera, scene, instance))
-      continue;
-    lists.masks[slot] = 1;
+/* Receivers in sight, one after the other. */
+typedef struct sight {
+  const view_planes *planes;
+  const plan_camera *camera;
+  const plan_scene *scene;
+  plan_walk walk;
+  uint32_t place, end;
+} sight;
+
+/* Which of 64 boxes may hold something that is seen; with more room for rounding than an instance's own box has. */
+static uint64_t meet_view(const void *with, const plan_bounds_block *bounds) {
+  const sight *of = with;
+  const double rounding = 1e-10, *eye = of->camera->position;
+  uint64_t mask = 0;
+  for (uint32_t i = 0; i < PLAN_BLOCK; ++i) {
+    double at[3], reach[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      const double middle = 0.5 * (bounds->low[axis][i] + bounds->high[axis][i]);
+      const double half = 0.5 * (bounds->high[axis][i] - bounds->low[axis][i]);
+      at[axis] = middle - eye[axis];
+      reach[axis] = half + rounding * (fabs(middle) + half + fabs(eye[axis]));
+    }
+    bool outside = !(bounds->low[0][i] <= bounds->high[0][i]);
+    for (int plane = 0; plane < of->planes->count && !outside; ++plane) {
+      const double *normal = of->planes->normals[plane], offset = of->planes->offsets[plane];
+      const double most = fabs(normal[0]) * reach[0] + fabs(normal[1]) * reach[1] + fabs(normal[2]) * reach[2];
+      outside = plan_dot(at, normal) + offset < -(most + rounding * fabs(offset));
+    }
+    mask |= (uint64_t)!outside << i;
   }
-  plan_lists_end(&lists, scene);
+  return mask;
 }
 
-bool plan_sees_receivers(const plan_camera *camera, const plan_scene *scene, double end) {
-  view_planes planes;
-  shadow_planes(&planes, camera, end);
-  bool seen = false;
-  for (uint32_t slot = 0; slot < scene->slot_count && !seen && scene->receiver_count; ++slot) {
-    plan_placed box;
-    seen = is_seen(&box, &planes, camera, scene, &scene->instances[slot]);
+/* `box` is the receiver's, before the camera. */
+static bool next_seen(sight *of, uint32_t *slot, plan_placed *box) {
+  for (;;) {
+    while (of->place < of->end) {
+      *slot = plan_slot_at(of->walk.order, of->place++);
+      if (*slot < of->scene->slot_count &&
+          is_seen(box, of->planes, of->camera, of->scene, &of->scene->instances[*slot]))
+        return true;
+    }
+    uint32_t block;
+    if (!plan_walk_next(&of->walk, &block))
+      return false;
+    of->place = block * PLAN_BLOCK;
+    of->end = of->place + PLAN_BLOCK;
   }
-  return seen;
+}
+
+/* From the first one on. */
+static void look(sight *out, const view_planes *planes, const plan_camera *camera, const plan_scene *scene,
+                 const plan_order *order) {
+  *out = (sight){.planes = planes, .camera = camera, .scene = scene};
+  out->walk = plan_walk_begin(order, scene->slot_count, meet_view, out);
+}
+
+bool plan_view_make(plan_list *out, const plan_camera *camera, const plan_scene *scene, const plan_cache *cache,
+                    plan_memory *memory) {
+  *out = (plan_list){0};
+  plan_lists lists = {.lists = {out}, .count = 1, .among = scene->receiver_count};
+  const plan_order order = plan_cache_order(cache, scene);
+  view_planes planes;
+  plan_placed box;
+  sight of;
+  clip_planes(&planes, camera);
+  look(&of, &planes, camera, scene, &order);
+  plan_lists_begin(&lists, memory);
+  for (uint32_t slot; next_seen(&of, &slot, &box);)
+    plan_lists_add(&lists, &(plan_found){.mask = 1, .slot = slot, .place = slot});
+  if (!plan_lists_fit(&lists))
+    return false;
+  plan_lists_sort(&lists, &order);
+  plan_lists_end(&lists, scene);
+  return true;
+}
+
+bool plan_sees_receivers(const plan_camera *camera, const plan_scene *scene, const plan_order *order, double end) {
+  view_planes planes;
+  plan_placed box;
+  sight of;
+  uint32_t slot;
+  shadow_planes(&planes, camera, end);
+  look(&of, &planes, camera, scene, order);
+  return scene->receiver_count && next_seen(&of, &slot, &box);
 }
 
 /* ---- cells of maps ---- */
@@ -341,15 +401,16 @@ static void mark_seen(void *user, const plan_receiver_box *box) {
   mark(all->readers, all->count, box);
 }
 
-static void mark_receivers(const readers *all, const plan_frame *frame, const plan_scene *scene, double end) {
+static void mark_receivers(const readers *all, const plan_frame *frame, const plan_scene *scene,
+                           const plan_order *order, double end) {
   view_planes planes;
+  plan_placed placed;
+  sight of_camera;
   shadow_planes(&planes, &frame->camera, end);
-  for (uint32_t slot = 0; slot < scene->slot_count; ++slot) {
-    plan_placed placed;
+  look(&of_camera, &planes, &frame->camera, scene, order);
+  for (uint32_t slot; next_seen(&of_camera, &slot, &placed);) {
     plan_receiver_box box;
     const plan_instance *instance = &scene->instances[slot];
-    if (!is_seen(&placed, &planes, &frame->camera, scene, instance))
-      continue;
     find_box(&box, frame, &placed);
     const plan_parts parts = plan_parts_of(scene, instance);
     if (parts.count && lies_over_many(all->readers, all->count, &box))
@@ -359,7 +420,8 @@ static void mark_receivers(const readers *all, const plan_frame *frame, const pl
   }
 }
 
-void plan_read_cells(plan_cells *cells, const plan_frame *frame, const plan_area *areas, const plan_frame_info *info) {
+void plan_read_cells(plan_cells *cells, const plan_frame *frame, const plan_area *areas, const plan_order *order,
+                     const plan_frame_info *info) {
   reading of = {.frame = frame,
                 .areas = areas,
                 .config = info->config,
@@ -373,7 +435,7 @@ void plan_read_cells(plan_cells *cells, const plan_frame *frame, const plan_area
   if (info->seen)
     plan_seen_walk(info->seen, frame, end + depth_rounding(end), &(plan_box_sink){.take = mark_seen, .user = &all});
   else
-    mark_receivers(&all, frame, info->scene, end);
+    mark_receivers(&all, frame, info->scene, order, end);
 }
 
 void plan_seen_cells(plan_cells *cells, const plan_frame *frame, const plan_area *areas, const csm_config *config) {

@@ -42,16 +42,26 @@ void plan_seen_tiles(uint8_t *tiles, const plan_frame *frame, const csm_config *
     }
 }
 
+/* The next one from `i` on that a cascade draws, or the end. */
+static uint32_t next_drawn(const plan_frame *frame, uint32_t cascade, uint32_t i) {
+  while (i < frame->drawn_count && !(frame->drawn[i].cascades >> cascade & 1))
+    ++i;
+  return i;
+}
+
 /* Whether a cascade's casters are those that it had, and none has changed; other parts of them may be drawn. */
 static bool same_casters(const plan_frame *before, const plan_frame *now, uint32_t cascade, const plan_scene *scene,
                          uint64_t revision) {
   bool same = !before->unshadowed && !now->unshadowed && cascade < before->cascade_count &&
               before->slot_count == now->slot_count && memcmp(before->basis, now->basis, sizeof now->basis) == 0;
-  for (uint32_t slot = 0; same && slot < now->slot_count; ++slot) {
-    const bool drawn = now->drawn[slot] >> cascade & 1;
-    same = drawn == (before->drawn[slot] >> cascade & 1) && !(drawn && scene->revisions[slot] > revision);
+  uint32_t i = next_drawn(before, cascade, 0), k = next_drawn(now, cascade, 0);
+  while (same && i < before->drawn_count && k < now->drawn_count) {
+    const uint32_t slot = now->drawn[k].slot;
+    same = before->drawn[i].slot == slot && scene->revisions[slot] <= revision;
+    i = next_drawn(before, cascade, i + 1);
+    k = next_drawn(now, cascade, k + 1);
   }
-  return same;
+  return same && i == before->drawn_count && k == now->drawn_count;
 }
 
 static bool same_lists(const plan_list *a, const plan_list *b) {

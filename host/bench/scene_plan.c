@@ -43,7 +43,7 @@ static int plan_once(bench_plan *plan, const host_setup *setup) {
                                 .light = setup->light.direction,
                                 .scene = &plan->scene,
                                 .all_receivers = true};
-  const csm_result result = plan_frame_make(&plan->frame, &info, plan->memory, &error);
+  const csm_result result = plan_frame_make(&plan->frame, &info, &plan->memory, &error);
   if (result != CSM_SUCCESS)
     return host_fail(HOST_BAD_INPUT, "cannot plan the frame: %s", error ? error : csm_result_name(result));
   return 0;
@@ -74,7 +74,7 @@ int bench_plan_make(bench_plan *out, const host_setup *setup, uint32_t instance_
                             .meshes = out->bounds,
                             .mesh_count = (uint32_t)s->mesh_count};
   const size_t size = plan_memory_size(instance_count, out->scene.mesh_count, plan_windows_most(&setup->config));
-  out->memory = host_allocate(size, 1);
+  out->memory = (plan_memory){.at = host_allocate(size, 1), .most = instance_count};
   const char *error = NULL;
   if (plan_config_check(&setup->config, &error) != CSM_SUCCESS)
     return host_fail(HOST_BAD_INPUT, "--config: %s", error);
@@ -85,7 +85,7 @@ void bench_plan_free(bench_plan *plan) {
   free(plan->instances);
   free(plan->boxes);
   free(plan->bounds);
-  free(plan->memory);
+  free(plan->memory.at);
   free(plan->matrices);
   memset(plan, 0, sizeof *plan);
 }

@@ -11,7 +11,7 @@ typedef struct bench_plan {
   plan_instance *instances;
   plan_box *boxes;
   plan_bounds *bounds;
-  void *memory;
+  plan_memory memory;
   float *matrices; /* room for one cascade's */
   plan_frame frame;
 } bench_plan;

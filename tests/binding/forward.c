@@ -108,7 +108,7 @@ typedef struct bench {
   plan_scene scene;
   plan_frame frame;
   plan_list view;
-  void *frame_memory, *view_memory;
+  plan_memory frame_memory, view_memory;
 } bench;
 
 static bool check(bench *b, bool holds, const char *what) {
@@ -218,9 +218,9 @@ static bool make_plan(bench *b, const csm_config *config) {
                                 .projection = projection,
                                 .light = (const double[]){0.4, -1, 0.25},
                                 .scene = &b->scene};
-  if (plan_frame_make(&b->frame, &info, b->frame_memory, &error))
+  if (plan_frame_make(&b->frame, &info, &b->frame_memory, &error))
     return check(b, false, error);
-  plan_view_make(&b->view, &b->frame.camera, &b->scene, b->view_memory);
+  (void)plan_view_make(&b->view, &b->frame.camera, &b->scene, NULL, &b->view_memory);
   check(b, b->view.instance_count == 1, "the camera sees the plane alone");
 
   char *upload = b->gpu.api->buffer_memory(b->upload);
@@ -515,8 +515,9 @@ static void compare_masks(bench *b, uint8_t masks[FILTERS][PIXELS]) {
 static void run(bench *b) {
   static uint8_t masks[2][FILTERS][PIXELS];
   make_scene(b);
-  b->frame_memory = test_allocate(NULL, plan_memory_size(BOXES + 1, 2, CASCADES), 16);
-  b->view_memory = test_allocate(NULL, plan_memory_size(BOXES + 1, 2, 0), 16);
+  b->frame_memory =
+      (plan_memory){.at = test_allocate(NULL, plan_memory_size(BOXES + 1, 2, CASCADES), 16), .most = BOXES + 1};
+  b->view_memory = (plan_memory){.at = test_allocate(NULL, plan_memory_size(BOXES + 1, 2, 0), 16), .most = BOXES + 1};
   if (check(b, !make_buffers(b) && !make_images(b) && !make_programs(b), "making objects")) {
     for (uint32_t bias_mode = 0; bias_mode < 2; ++bias_mode)
       for (uint32_t filter = 0; filter < FILTERS; ++filter)
@@ -526,8 +527,8 @@ static void run(bench *b) {
     compare_with(b, CSM_FILTER_PCF_3X3, CSM_BIAS_SLOPE, false, masks[0][0]);
   }
   free_objects(b);
-  test_release(NULL, b->frame_memory);
-  test_release(NULL, b->view_memory);
+  test_release(NULL, b->frame_memory.at);
+  test_release(NULL, b->view_memory.at);
 }
 
 int main(int argc, char **argv) {

@@ -19,7 +19,7 @@ enum { instance_count = 10000, mesh_count = 40, pairs = 201, most_moved = 100 };
 typedef struct side {
   instances store;
   plan_cache cache;
-  void *memory;
+  plan_memory *memory;
 } side;
 
 typedef struct bench {
@@ -175,15 +175,15 @@ static void compare(bench *b, uint32_t moved) {
 
 static void begin_side(side *side, uint64_t key) {
   instances_begin(&side->store, &(instances_memory){.allocate = give, .release = take_back}, handles_key(side, key));
-  side->memory = malloc(plan_memory_size(instance_count, mesh_count, PLAN_WINDOWS_MOST));
+  side->memory = memory_make(instance_count, mesh_count, PLAN_WINDOWS_MOST);
   side->cache = (plan_cache){.memory = give(NULL, plan_cache_size(instance_count), 64), .slots = instance_count};
-  if (!side->memory || !side->cache.memory)
+  if (!side->cache.memory)
     stop("out of memory");
 }
 
 static void end_side(side *side) {
   instances_end(&side->store, NULL);
-  free(side->memory);
+  memory_free(side->memory);
   free(side->cache.memory);
 }
 

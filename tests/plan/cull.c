@@ -170,7 +170,7 @@ static void a_camera_draws_what_it_sees(void **state) {
     plan_list list;
     const char *error = "";
     assert_int_equal(plan_camera_make(&made, view, projection, camera_reversed(&camera), &error), CSM_SUCCESS);
-    plan_view_make(&list, &made, &scene.scene, scene.memory);
+    plan_view_make(&list, &made, &scene.scene, NULL, scene.memory);
     bool listed[instances];
     is_listed(&list, instances, listed);
     check_list(&list, &scene.scene);
@@ -218,7 +218,7 @@ static void a_camera_culls_what_it_does_not_see(void **state) {
       plan_list list;
       const char *error = "";
       assert_int_equal(plan_camera_make(&made, view, projection, camera_reversed(&camera), &error), CSM_SUCCESS);
-      plan_view_make(&list, &made, &scene.scene, scene.memory);
+      plan_view_make(&list, &made, &scene.scene, NULL, scene.memory);
       assert_int_equal(list.instance_count, infinite ? 2 : 1);
       assert_int_equal(list.instances[0], 0);
       assert_int_equal(list.culled, infinite ? 5 : 6);
@@ -237,7 +237,7 @@ static void an_empty_scene_draws_nothing(void **state) {
     assert_int_equal(frame.windows[c].list.culled, 0);
   }
   plan_list list;
-  plan_view_make(&list, &frame.camera, &(plan_scene){0}, NULL);
+  plan_view_make(&list, &frame.camera, &(plan_scene){0}, NULL, NULL);
   assert_int_equal(list.instance_count, 0);
 }
 
@@ -276,8 +276,8 @@ static void needs_no_more_memory_than_it_says(void **state) {
   for (uint32_t count = 1; count <= CSM_MAX_CASCADES; ++count)
     for (uint32_t mesh_count = 1; mesh_count <= 2 * instances; mesh_count *= 7) {
       test_scene scene = scene_make(instances, mesh_count);
-      free(scene.memory);
-      scene.memory = malloc(plan_memory_size(instances, mesh_count, count));
+      memory_free(scene.memory);
+      scene.memory = memory_make(instances, mesh_count, count);
       for (uint32_t i = 0; i < instances; ++i) {
         for (int k = 0; k < 3; ++k)
           scene.instances[i].transform[k * 5] = 1.0;
@@ -294,10 +294,10 @@ static void needs_no_more_memory_than_it_says(void **state) {
                        CSM_SUCCESS);
       for (uint32_t c = 0; c < count; ++c)
         check_list(&frame.windows[c].list, &scene.scene);
-      free(scene.memory);
-      scene.memory = malloc(plan_memory_size(instances, mesh_count, 0));
+      memory_free(scene.memory);
+      scene.memory = memory_make(instances, mesh_count, 0);
       plan_list list;
-      plan_view_make(&list, &frame.camera, &scene.scene, scene.memory);
+      plan_view_make(&list, &frame.camera, &scene.scene, NULL, scene.memory);
       assert_int_equal(list.instance_count, instances);
       check_list(&list, &scene.scene);
       scene_free(&scene);

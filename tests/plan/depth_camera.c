@@ -47,7 +47,7 @@ static void make(fixture *f) {
   camera_matrices(&f->camera, view, projection);
   if (plan_camera_make(&f->made, view, projection, camera_reversed(&f->camera), &error))
     fail_msg("%s", error);
-  plan_view_make(&f->seen, &f->made, &f->scene.scene, f->scene.memory);
+  plan_view_make(&f->seen, &f->made, &f->scene.scene, NULL, f->scene.memory);
   feclearexcept(FE_ALL_EXCEPT);
   plan_depth_camera_make(&f->own, &f->made, &f->seen, &f->scene.scene);
   assert_no_exceptions();

@@ -113,8 +113,8 @@ static void only_those_that_receive_are_seen(void **state) {
     scatter(&all, &random);
     test_scene some = those_that(&all, false, 0, slots);
     plan_list list, expected;
-    plan_view_make(&list, &made, &all.scene, all.memory);
-    plan_view_make(&expected, &made, &some.scene, some.memory);
+    plan_view_make(&list, &made, &all.scene, NULL, all.memory);
+    plan_view_make(&expected, &made, &some.scene, NULL, some.memory);
     assert_same_list(&list, &expected, slots);
     assert_int_equal(list.culled, all.scene.receiver_count - list.instance_count);
     seen += list.instance_count;
@@ -261,7 +261,7 @@ static void far_vertices_are_drawn_as_near_ones(void **state) {
     assert_int_equal(plan_traced(&frame, &info, scene.memory, &error), CSM_SUCCESS);
     plan_write_window_matrices(cascade, &frame, 1, &scene.scene);
     assert_int_equal(frame.windows[1].list.instance_count, 1);
-    plan_view_make(&list, &frame.camera, &scene.scene, scene.memory);
+    plan_view_make(&list, &frame.camera, &scene.scene, NULL, scene.memory);
     assert_int_equal(list.instance_count, 1);
     plan_write_view_matrices(view, &list, &frame.camera, &scene.scene);
     if (i) {

@@ -77,7 +77,7 @@ static void check_frame(const plan_frame *frame, const csm_config *config, const
   assert_finite(floats, plan_write_mask_constants(floats, frame, &picture, config) / (uint32_t)sizeof(float));
   plan_hash(frame, config, &scene->scene);
   plan_list list;
-  plan_view_make(&list, &frame->camera, &scene->scene, scene->memory);
+  plan_view_make(&list, &frame->camera, &scene->scene, NULL, scene->memory);
   plan_write_view_matrices(floats, &list, &frame->camera, &scene->scene);
   assert_finite(floats, list.instance_count * 16);
   assert_no_exceptions();

@@ -112,7 +112,7 @@ static void a_view_does_not_tell_sides_apart(void **state) {
     camera_matrices(&camera, view, projection);
     scene_scatter(&scene, &random, camera.eye, 60.0);
     assert_int_equal(plan_camera_make(&made, view, projection, camera_reversed(&camera), &error), CSM_SUCCESS);
-    plan_view_make(&list, &made, &scene.scene, scene.memory);
+    plan_view_make(&list, &made, &scene.scene, NULL, scene.memory);
     check_draws(&list, &scene.scene, false);
   }
   scene_free(&scene);

@@ -162,19 +162,21 @@ static bool check_slot(const plan_list *list, const plan_cells *cells, const dou
 
 /* More lists than a frame has cascades: each has cells of its own. */
 static void fill_lists(plan_list *out, plan_lists *lists, const plan_cells *cells, const double basis[9],
-                       const plan_scene *scene, void *memory) {
+                       const plan_scene *scene, plan_memory *memory) {
   const plan_hull hull = {0};
-  const plan_light_cull cull = {.basis = basis, .hull = &hull};
+  const plan_kept kept = {0};
+  const plan_light_cull cull = {.basis = basis, .hull = &hull, .kept = &kept};
   *lists = (plan_lists){.count = lists_count, .sides = true, .among = scene->slot_count};
   for (uint32_t i = 0; i < lists_count; ++i) {
     out[i] = (plan_list){0};
     lists->lists[i] = &out[i];
   }
-  plan_lists_begin(lists, scene, memory);
+  plan_lists_begin(lists, memory);
   plan_lists_room(lists, scene);
   for (uint32_t slot = 0; slot < scene->slot_count; ++slot)
-    lists->masks[slot] = (1u << lists_count) - 1;
-  plan_cull_unread(lists, cells, &cull, &(plan_kept){0}, scene);
+    plan_lists_add(lists, &(plan_found){.mask = (1u << lists_count) - 1, .slot = slot, .place = slot, .drawn = 1});
+  plan_cull_unread(lists, cells, &cull, scene);
+  plan_cull_unread_parts(lists, cells, &cull, scene);
   plan_lists_end(lists, scene);
 }
 
@@ -200,7 +202,7 @@ static void every_part_that_is_read_is_drawn_once(void **state) {
       assert_int_equal(made[k].culled, instances - made[k].instance_count);
       left += made[k].culled;
       for (uint32_t slot = 0; slot < instances; ++slot) {
-        const bool in = lists.masks[slot] >> k & 1;
+        const bool in = lists.found[slot].mask >> k & 1;
         drawn_parts drawn;
         find_drawn(&drawn, &made[k], &s.scene.scene, slot);
         assert_true(drawn.listed == in);

@@ -219,7 +219,7 @@ static void place_receiver(random_state *random, test_scene *scene, const double
 
 /* A first frame of whose scene the receivers are all that is asked for. */
 static void plan_for_receivers(plan_frame *out, const csm_config *config, const test_shot *shot,
-                               const plan_scene *scene, void *memory) {
+                               const plan_scene *scene, plan_memory *memory) {
   const plan_frame_info info = {.config = config,
                                 .view = shot->view,
                                 .projection = shot->projection,
@@ -413,13 +413,14 @@ static void receivers_leave_maps_where_they_are(void **state) {
   enum { instances = 300, meshes = 5 };
   random_state random = {12};
   test_scene scene = scene_make(instances, meshes);
-  void *memory = malloc(plan_memory_size(instances, meshes, PLAN_WINDOWS_MOST));
+  plan_memory *memory = memory_make(instances, meshes, PLAN_WINDOWS_MOST);
+  plan_memory *more = memory_make(instances, meshes, PLAN_WINDOWS_MOST);
   uint64_t all = 0, drawn = 0;
-  assert_non_null(memory);
   for (int i = 0; i < 400; ++i) {
     const csm_config config = receivers_config(&random);
     const test_camera camera = random_camera(&random, 10.0);
-    plan_frame receivers, seen;
+    csm_config of_maps = config;
+    plan_frame receivers, seen, whole;
     double light[3], view[16], projection[16];
     const char *error = "";
     random_unit(&random, light);
@@ -428,19 +429,26 @@ static void receivers_leave_maps_where_they_are(void **state) {
     const test_shot shot = {view, projection, camera_reversed(&camera), light};
     plan_for_receivers(&receivers, &config, &shot, &scene.scene, scene.memory);
     assert_int_equal(plan_made(&seen, &config, &shot, &scene.scene, memory, &error), CSM_SUCCESS);
+    of_maps.caster_set = CSM_CASTER_SET_MAP;
+    assert_int_equal(plan_made(&whole, &of_maps, &shot, &scene.scene, more, &error), CSM_SUCCESS);
     const bool none = plan_drawn(&receivers) == 0;
     for (uint32_t c = 0; c < seen.cascade_count; ++c) {
+      if (!whole.camera.orthographic) { /* whose maps are no wider than what casts into the view */
+        assert_memory_equal(seen.cascades[c].to_clip, whole.cascades[c].to_clip, sizeof seen.cascades[c].to_clip);
+        assert_true(seen.cascades[c].shift == whole.cascades[c].shift);
+      }
       if (!none) /* where no receiver is in sight nothing is looked up */
         assert_memory_equal(seen.cascades[c].to_clip, receivers.cascades[c].to_clip, sizeof seen.cascades[c].to_clip);
       for (uint32_t slot = 0; slot < instances; ++slot)
-        assert_true(!(receivers.drawn[slot] & ~seen.drawn[slot]));
+        assert_true(!(plan_drawn_by(&receivers, slot) & ~plan_drawn_by(&seen, slot)));
     }
     all += plan_drawn(&seen);
     drawn += plan_drawn(&receivers);
   }
   printf("%llu of %llu casters are drawn\n", (unsigned long long)drawn, (unsigned long long)all);
   assert_true(drawn > all / 20 && drawn < all * 9 / 10);
-  free(memory);
+  memory_free(more);
+  memory_free(memory);
   scene_free(&scene);
 }
 

@@ -164,7 +164,7 @@ static void a_near_plane_beyond_the_shadow_distance_means_no_shadows(void **stat
     assert_int_equal(plan_traced(&frame, &info, scene.memory, &error), CSM_SUCCESS);
     check_unshadowed(&frame, &config);
     for (uint32_t slot = 0; slot < 20; ++slot)
-      assert_int_equal(frame.drawn[slot], 0);
+      assert_int_equal(plan_drawn_by(&frame, slot), 0);
     /* What had been fitted is still known when the shadows come back. */
     assert_true(frame.history.has_light && frame.history.has_samples && frame.history.sample_range[1].value == 7.0);
   }

@@ -212,15 +212,27 @@ plan_frame plan_empty(const csm_config *config, const test_camera *camera, const
   return frame;
 }
 
+plan_memory *memory_make(uint32_t most, uint32_t mesh_count, uint32_t window_count) {
+  plan_memory *memory = malloc(sizeof *memory);
+  assert_non_null(memory);
+  *memory = (plan_memory){.at = malloc(plan_memory_size(most, mesh_count, window_count)), .most = most};
+  assert_non_null(memory->at);
+  return memory;
+}
+
+void memory_free(plan_memory *memory) {
+  free(memory->at);
+  free(memory);
+}
+
 test_scene scene_make(uint32_t instance_count, uint32_t mesh_count) {
   test_scene scene = {.instances = calloc(instance_count, sizeof *scene.instances),
                       .boxes = calloc(instance_count, sizeof *scene.boxes),
                       .meshes = calloc(mesh_count, sizeof *scene.meshes),
-                      .memory = malloc(plan_memory_size(instance_count, mesh_count, PLAN_WINDOWS_MOST))};
+                      .memory = memory_make(instance_count, mesh_count, PLAN_WINDOWS_MOST)};
   assert_non_null(scene.instances);
   assert_non_null(scene.boxes);
   assert_non_null(scene.meshes);
-  assert_non_null(scene.memory);
   scene.scene = (plan_scene){.instances = scene.instances,
                              .boxes = scene.boxes,
                              .slot_count = instance_count,
@@ -235,7 +247,7 @@ void scene_free(test_scene *scene) {
   free(scene->instances);
   free(scene->boxes);
   free(scene->meshes);
-  free(scene->memory);
+  memory_free(scene->memory);
 }
 
 void scene_scatter(test_scene *scene, random_state *random, const double center[3], double spread) {
@@ -304,7 +316,7 @@ uint32_t camera_reversed(const test_camera *camera) {
   return camera->reversed ? CSM_REVERSED_YES : CSM_REVERSED_NO;
 }
 
-csm_result plan_traced(plan_frame *out, const plan_frame_info *info, void *memory, const char **error) {
+csm_result plan_traced(plan_frame *out, const plan_frame_info *info, plan_memory *memory, const char **error) {
   feclearexcept(FE_ALL_EXCEPT);
   const csm_result result = plan_frame_make(out, info, memory, error);
   assert_no_exceptions();
@@ -319,7 +331,7 @@ void assert_no_exceptions(void) {
 }
 
 csm_result plan_made(plan_frame *out, const csm_config *config, const test_shot *shot, const plan_scene *scene,
-                     void *memory, const char **error) {
+                     plan_memory *memory, const char **error) {
   const plan_frame_info info = {.config = config,
                                 .view = shot->view,
                                 .projection = shot->projection,

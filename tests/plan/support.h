@@ -51,13 +51,17 @@ csm_config random_config(random_state *random);
 /* A sound one whose fit, snapping, filter, resolutions and splits may be any of all. */
 csm_config random_full_config(random_state *random);
 
+/* Room for plans that find so many instances. */
+plan_memory *memory_make(uint32_t most, uint32_t mesh_count, uint32_t window_count);
+void memory_free(plan_memory *memory);
+
 /* A scene with its memory, as a plan needs it. */
 typedef struct test_scene {
   plan_scene scene;
   plan_instance *instances;
   plan_box *boxes;
   plan_bounds *meshes;
-  void *memory;
+  plan_memory *memory;
 } test_scene;
 
 test_scene scene_make(uint32_t instance_count, uint32_t mesh_count);
@@ -84,7 +88,7 @@ void assert_near(double value, double expected, double tolerance);
 /* Nothing has divided by 0, overflowed or been invalid since feclearexcept. */
 void assert_no_exceptions(void);
 /* plan_frame_make, which must raise no floating-point exception. */
-csm_result plan_traced(plan_frame *out, const plan_frame_info *info, void *memory, const char **error);
+csm_result plan_traced(plan_frame *out, const plan_frame_info *info, plan_memory *memory, const char **error);
 /* A camera's matrices, CSM_REVERSED_*, and the light's direction. */
 typedef struct test_shot {
   const double *view, *projection;
@@ -94,6 +98,6 @@ typedef struct test_shot {
 
 /* A first frame, without depth samples. */
 csm_result plan_made(plan_frame *out, const csm_config *config, const test_shot *shot, const plan_scene *scene,
-                     void *memory, const char **error);
+                     plan_memory *memory, const char **error);
 
 #endif

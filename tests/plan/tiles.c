@@ -172,11 +172,12 @@ static plan_frame jittered(const csm_config *config, uint32_t number, double dia
   const plan_scene scene = {0};
   const test_camera camera = plain_camera();
   double view[16], projection[16];
-  unsigned char memory[4096];
+  unsigned char bytes[4096];
+  plan_memory memory = {.at = bytes};
   plan_frame frame;
   const char *error = "";
   camera_matrices(&camera, view, projection);
-  assert_true(plan_memory_size(0, 0, config->cascade_count) <= sizeof memory);
+  assert_true(plan_memory_size(0, 0, config->cascade_count) <= sizeof bytes);
   const plan_frame_info info = {.config = config,
                                 .view = view,
                                 .projection = projection,
@@ -185,7 +186,7 @@ static plan_frame jittered(const csm_config *config, uint32_t number, double dia
                                 .light_diameter = diameter,
                                 .scene = &scene,
                                 .jitter = number};
-  assert_int_equal(plan_traced(&frame, &info, memory, &error), CSM_SUCCESS);
+  assert_int_equal(plan_traced(&frame, &info, &memory, &error), CSM_SUCCESS);
   return frame;
 }
 

@@ -16,6 +16,7 @@ static void CSM_CALL take_back(void *user, void *memory) {
 void world_begin(world *w, uint64_t seed) {
   memset(w, 0, sizeof *w);
   w->random.value = seed;
+  w->reach = 60.0;
   w->handles = (handle_table){.places = w->places, .key = handles_key(w, seed), .capacity = WORLD_MESHES};
   w->meshes = (instances_meshes){.handles = &w->handles, .bounds = w->bounds, .users = w->users};
   for (int i = 0; i < WORLD_MESHES; ++i) {
@@ -24,20 +25,20 @@ void world_begin(world *w, uint64_t seed) {
   }
   instances_begin(&w->store, &(instances_memory){.allocate = give, .release = take_back}, handles_key(&w->store, seed));
   for (int i = 0; i < 2; ++i)
-    w->memory[i] = malloc(plan_memory_size(2 * WORLD_MOST, WORLD_MESHES, PLAN_WINDOWS_MOST));
+    w->memory[i] = memory_make(2 * WORLD_MOST, WORLD_MESHES, PLAN_WINDOWS_MOST);
 }
 
 void world_end(world *w) {
   instances_end(&w->store, &w->meshes);
-  free(w->memory[0]);
-  free(w->memory[1]);
+  memory_free(w->memory[0]);
+  memory_free(w->memory[1]);
 }
 
 static void some_transforms(world *w, float (*rows)[12], uint32_t count) {
   for (uint32_t i = 0; i < count; ++i)
     for (int k = 0; k < 12; ++k)
       rows[i][k] =
-          (float)(k % 4 == 3 ? random_between(&w->random, -60.0, 60.0) : random_between(&w->random, -2.0, 2.0));
+          (float)(k % 4 == 3 ? random_between(&w->random, -w->reach, w->reach) : random_between(&w->random, -2.0, 2.0));
 }
 
 void world_change(world *w) {

@@ -19,7 +19,8 @@ typedef struct world {
   instances store;
   uint64_t ids[WORLD_MOST];
   uint32_t count;
-  void *memory[2]; /* for plans */
+  double reach;           /* instances lie so far from the origin along each axis, in metres */
+  plan_memory *memory[2]; /* for plans */
 } world;
 
 void world_begin(world *w, uint64_t seed);

@@ -311,7 +311,7 @@ static void view_matrices_agree_with_the_camera(void **state) {
     plan_list list;
     const char *error = "";
     assert_int_equal(plan_camera_make(&made, view, projection, camera_reversed(&camera), &error), CSM_SUCCESS);
-    plan_view_make(&list, &made, &scene.scene, scene.memory);
+    plan_view_make(&list, &made, &scene.scene, NULL, scene.memory);
     plan_write_view_matrices(matrices, &list, &made, &scene.scene);
     for (uint32_t k = 0; k < list.instance_count; ++k) {
       const plan_bounds *bounds = &scene.meshes[scene.instances[list.instances[k]].mesh];
