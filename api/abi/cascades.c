@@ -1,5 +1,6 @@
 #include "abi/cascades.h"
 
+#include "abi/budget.h"
 #include "abi/view.h"
 #include "techniques/depth_samples/depth_samples.h"
 
@@ -58,17 +59,18 @@ static csm_result allocate_cascades(csm_context *context, const csm_config *conf
   if (!cascades)
     return CSM_ERROR_OUT_OF_MEMORY;
   cascades->context = context;
-  cascades->config = *config;
+  cascades->asked = *config;
   cascades->settings = ++context->settings;
   csm_result result = technique_set_begin_cascades(&cascades->techniques, host);
   if (!result)
-    result = technique_set_make(&cascades->techniques, context_device(context), config);
+    result = budget_make(cascades, context_device(context), config, &cascades->config);
   if (result) {
     technique_set_end(&cascades->techniques);
     host_release(host, cascades);
     return result;
   }
-  technique_set_adopt(&cascades->techniques, context_device(context), config);
+  technique_set_adopt(&cascades->techniques, context_device(context), &cascades->config);
+  plan_budget_begin(&cascades->budget, &cascades->config, budget_late(context_device(context)));
   *out = cascades;
   return CSM_SUCCESS;
 }
@@ -103,14 +105,16 @@ csm_result CSM_CALL csm_cascades_configure(csm_cascades *cascades, const csm_con
   if (result)
     return result;
   device *device = context_device(cascades->context);
-  csm_config own;
-  result = read_config(cascades->context, config, &own);
+  csm_config asked, own;
+  result = read_config(cascades->context, config, &asked);
   if (!result)
-    result = technique_set_make(&cascades->techniques, device, &own);
+    result = budget_make(cascades, device, &asked, &own);
   if (result)
     return result;
   technique_set_adopt(&cascades->techniques, device, &own);
+  cascades->asked = asked;
   cascades->config = own;
+  plan_budget_begin(&cascades->budget, &own, budget_late(device));
   cascades->settings = ++cascades->context->settings;
   cascades->drawn = false;
   for (csm_view *v = cascades->context->views; v && own.depth_samples == CSM_DEPTH_SAMPLES_OFF; v = v->next)

@@ -4,6 +4,7 @@
 
 #include "abi/context.h"
 #include "csm_constants.h"
+#include "plan/budget.h"
 #include "techniques/technique.h"
 
 /* What a depth was of that a plan was made for. */
@@ -27,6 +28,7 @@ typedef struct planned {
   uint64_t revision; /* of the scene */
   uint64_t meshes_revision;
   uint32_t instances, changed;
+  plan_budget budget; /* that it was planned by */
   csm_constants constants;
   planned_depth seen; /* by csm_frame.depth_view */
 } planned;
@@ -34,8 +36,11 @@ typedef struct planned {
 struct csm_cascades {
   csm_context *context;
   csm_cascades *next, **link;
-  csm_config config;
-  uint64_t settings; /* which of all configurations of the context's cascades it is */
+  csm_config asked;   /* as the caller gave it */
+  csm_config config;  /* with what maps budget_mib has room for */
+  csm_config fresh;   /* that techniques are made for on another device, before that is taken */
+  plan_budget budget; /* of config */
+  uint64_t settings;  /* which of all configurations of the context's cascades it is */
   technique_set techniques;
   plan_history history; /* what the last drawn frame handed on */
   plan_cache cache;

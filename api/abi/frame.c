@@ -1,4 +1,4 @@
-#include "abi/cascades.h"
+#include "abi/budget.h"
 #include "abi/frame_input.h"
 #include "abi/view.h"
 #include "device/clock.h"
@@ -10,13 +10,6 @@
 
 /* ---- planning ---- */
 
-/* Renders without a resolve after which a view is none of these cascades' pictures any more. */
-enum { most_unresolved = 8 };
-
-static bool resolves(const csm_view *view, const csm_cascades *cascades) {
-  return view->cascades == cascades && cascades->renders - view->renders <= most_unresolved;
-}
-
 /* What the views that are resolved with these cascades have seen, of those that look where they do. */
 static csm_result gather_samples(csm_cascades *cascades, uint32_t *count) {
   csm_context *context = cascades->context;
@@ -25,11 +18,11 @@ static csm_result gather_samples(csm_cascades *cascades, uint32_t *count) {
   if (cascades->config.depth_samples == CSM_DEPTH_SAMPLES_OFF)
     return CSM_SUCCESS;
   for (const csm_view *v = context->views; v; v = v->next)
-    most += resolves(v, cascades);
+    most += view_resolves(v, cascades);
   const csm_result result =
       host_grow(&context->host, (void **)&cascades->samples, &cascades->samples_size, most * sizeof *cascades->samples);
   for (const csm_view *v = context->views; v && !result; v = v->next) {
-    if (!resolves(v, cascades))
+    if (!view_resolves(v, cascades))
       continue;
     plan_depth_samples *samples = &cascades->samples[*count];
     depth_samples_collect(&v->techniques, context_device(context), samples);
@@ -129,6 +122,9 @@ static csm_result find_depth(csm_context *context, const frame_input *input, fra
 static csm_result make_plan(csm_cascades *cascades, const frame_input *input, const frame_depth *depth, planned *out,
                             plan_scene *scene) {
   csm_context *context = cascades->context;
+  csm_config config;
+  budget_choose(cascades, &out->budget);
+  plan_budget_coarser(&config, &cascades->config, out->budget.step);
   csm_result result = frame_input_scene(context, input, &out->list, scene);
   if (result)
     return result;
@@ -149,7 +145,7 @@ static csm_result make_plan(csm_cascades *cascades, const frame_input *input, co
   if (frame->draw && plan_has_pages(&cascades->config))
     return host_fail(&context->host, CSM_ERROR_UNSUPPORTED,
                      "csm_frame: map_layout pages keeps what it knows of, and draw casts what no instance tells");
-  const plan_frame_info info = {.config = &cascades->config,
+  const plan_frame_info info = {.config = &config,
                                 .view = input->camera.view,
                                 .projection = input->camera.projection,
                                 .light = input->light.direction,
@@ -252,7 +248,8 @@ csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame 
                        .constants = &next->constants,
                        .constants_size = sizeof next->constants,
                        .frame = &input.frame,
-                       .timestamps = input.frame.flags & CSM_FRAME_TIMESTAMPS,
+                       .timestamps =
+                           input.frame.flags & CSM_FRAME_TIMESTAMPS || cascades->config.budget & CSM_BUDGET_TIME,
                        .cascades = &cascades->techniques,
                        .same = still ? 0 : same_maps(cascades, next, &scene),
                        .light_layers = input.light.layers,
@@ -265,6 +262,7 @@ csm_result CSM_CALL csm_render_cascades(csm_cascades *cascades, const csm_frame 
   cascades->changes += !still && !rests(cascades, next, &scene);
   cascades->current = (uint32_t)(next - cascades->plans);
   cascades->history = next->frame.history;
+  cascades->budget = next->budget;
   cascades->drawn = true;
   ++cascades->renders;
   cascades->plan_ms = planned_ms - begin_ms + times.write_ms;

@@ -140,7 +140,8 @@ static csm_result record(csm_view *view, csm_cascades *cascades, const resolve *
                        .constants = &planned->constants,
                        .constants_size = sizeof planned->constants,
                        .frame = &r->input.frame,
-                       .timestamps = (r->info.flags | r->input.frame.flags) & CSM_FRAME_TIMESTAMPS,
+                       .timestamps = (r->info.flags | r->input.frame.flags) & CSM_FRAME_TIMESTAMPS ||
+                                     cascades->config.budget & CSM_BUDGET_TIME,
                        .cascades = &cascades->techniques,
                        .view = &view->techniques,
                        .picture = &picture};

@@ -1,4 +1,4 @@
-#include "abi/cascades.h"
+#include "abi/budget.h"
 #include "abi/view.h"
 
 /* Of everything that the last plan holds; 0 if its instances, or meshes, have changed since. */
@@ -36,6 +36,7 @@ csm_result CSM_CALL csm_get_stats(csm_cascades *cascades, csm_stats *out) {
     stats.cells_read = cascades_planned(cascades)->frame.cells_read;
   }
   technique_set_tell(&cascades->techniques, device, &stats);
+  budget_tell(cascades, &stats);
   struct_write(out, sizeof stats, &stats);
   return CSM_SUCCESS;
 }

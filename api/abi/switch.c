@@ -1,4 +1,4 @@
-#include "abi/cascades.h"
+#include "abi/budget.h"
 #include "abi/view.h"
 
 /* Maps and programs on the new device for all cascades, or for none. */
@@ -6,7 +6,7 @@ static csm_result make_all(csm_context *context, device *fresh) {
   csm_result result = CSM_SUCCESS;
   csm_cascades *c = context->cascades;
   while (c && !result) {
-    result = technique_set_make(&c->techniques, fresh, &c->config);
+    result = budget_make(c, fresh, &c->asked, &c->fresh);
     c = result ? c : c->next;
   }
   for (csm_cascades *made = context->cascades; result && made != c; made = made->next)
@@ -18,7 +18,9 @@ static csm_result make_all(csm_context *context, device *fresh) {
 static void change_device(csm_context *context, opened *fresh) {
   opened *old = context->opened;
   for (csm_cascades *c = context->cascades; c; c = c->next) {
-    technique_set_adopt(&c->techniques, old->device, &c->config);
+    technique_set_adopt(&c->techniques, old->device, &c->fresh);
+    c->config = c->fresh; /* the same, unless the device pads images otherwise */
+    plan_budget_forget(&c->budget, budget_late(fresh->device));
     c->drawn = false;
   }
   for (csm_view *v = context->views; v; v = v->next)

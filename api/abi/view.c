@@ -1,6 +1,15 @@
 #include "abi/view.h"
 
+#include "abi/cascades.h"
+
 #include <string.h>
+
+/* Renders without a resolve after which a view is none of a cascades' pictures any more. */
+enum { most_unresolved = 8 };
+
+bool view_resolves(const csm_view *view, const csm_cascades *cascades) {
+  return view->cascades == cascades && cascades->renders - view->renders <= most_unresolved;
+}
 
 bool view_known(const csm_context *context, const csm_view *view) {
   const csm_view *known = context->views;

@@ -28,4 +28,7 @@ bool view_known(const csm_context *context, const csm_view *view);
 /* Whether a view was looked at with this camera. */
 bool view_looked_with(const view_look *look, const plan_camera *camera);
 
+/* Whether it is a picture of these cascades': it was resolved with them in one of their last renders. */
+bool view_resolves(const csm_view *view, const csm_cascades *cascades);
+
 #endif

@@ -1,4 +1,5 @@
 /* config.c: which configurations are sound. */
+#include "plan/budget.h"
 #include "plan/internal.h"
 
 static csm_result check_entry(const plan_config_entry *entry, const csm_config *config, const char **error) {
@@ -95,22 +96,45 @@ static const char *refuse_pages(const csm_config *config) {
              : NULL;
 }
 
+const char *plan_refuse_sides(const csm_config *config) {
+  for (uint32_t i = 0; i < config->cascade_count; ++i) {
+    const uint32_t resolution = plan_resolution(config, i);
+    if (resolution < PLAN_LEAST_RESOLUTION)
+      return "resolutions has an entry below 16";
+    if (!(resolution > 2.0 * plan_padding_texels(config) + 1.0))
+      return "resolution is too small for the room that filter and bias_normal_texels take at a map's border";
+  }
+  return NULL;
+}
+
 static csm_result check_maps(const csm_config *config, const char **error) {
   if (config->snap_power && config->snap_mode == CSM_SNAP_OFF)
     return plan_fail(error, CSM_ERROR_INVALID_VALUE, "snap_power has no grid with snap_mode off");
   const char *refused = plan_has_pages(config) ? refuse_pages(config) : NULL;
   if (refused)
     return plan_fail(error, CSM_ERROR_INVALID_VALUE, refused);
-  for (uint32_t i = 0; i < config->cascade_count; ++i) {
-    const uint32_t resolution = plan_resolution(config, i);
-    if (resolution < PLAN_LEAST_RESOLUTION)
-      return plan_fail(error, CSM_ERROR_INVALID_VALUE, "resolutions has an entry below 16");
-    if (!(resolution > 2.0 * plan_padding_texels(config) + 1.0))
-      return plan_fail(
-          error, CSM_ERROR_INVALID_VALUE,
-          "resolution is too small for the room that filter and bias_normal_texels take at a map's border");
-  }
-  return CSM_SUCCESS;
+  refused = plan_refuse_sides(config);
+  return refused ? plan_fail(error, CSM_ERROR_INVALID_VALUE, refused) : CSM_SUCCESS;
+}
+
+/* Each target that holds is one, and the configuration is one that it can be kept with. */
+static const char *refuse_budget(const csm_config *config) {
+  const uint32_t budget = config->budget;
+  const bool timed = budget & CSM_BUDGET_TIME, judged = budget & CSM_BUDGET_ERROR, capped = budget & CSM_BUDGET_MEMORY;
+  return timed && !(config->budget_ms > 0.0)       ? "budget_ms is not above 0, and budget has its bit"
+         : judged && !(config->budget_wrong > 0.0) ? "budget_wrong is not above 0, and budget has its bit"
+         : capped && !(config->budget_mib > 0.0)   ? "budget_mib is not above 0, and budget has its bit"
+         : (timed || judged) && plan_has_moments(config)
+             ? "budget has a target of time or error, and the filter reads moments: memory alone can be kept then"
+         : (timed || judged) && plan_has_pages(config) ? "budget has a target of time or error, and map_layout pages "
+                                                         "keeps its texels: memory alone can be kept then"
+         : judged && !plan_budget_judges(config)
+             ? "budget has a target of error, which is for filters pcf_2x2 and pcf_3x3"
+         : judged && config->out_of_range == CSM_OUT_OF_RANGE_FADED
+             ? "budget has a target of error, and out_of_range faded hides which pixels are edges"
+         : capped && plan_budget_fit(config, 0) == PLAN_BUDGET_STEPS
+             ? "budget_mib is less than the coarsest maps take: an eighth of the texels a side, and room for the filter"
+             : NULL;
 }
 
 csm_result plan_config_check(const csm_config *config, const char **error) {
@@ -118,7 +142,8 @@ csm_result plan_config_check(const csm_config *config, const char **error) {
   const plan_config_entry *entry;
   for (uint32_t i = 0; !result && (entry = plan_config_entry_at(i)); ++i)
     result = check_entry(entry, config, error);
-  if (!result && (config->reserved || config->reserved_moments || config->reserved_soft || config->reserved_history))
+  if (!result && (config->reserved || config->reserved_moments || config->reserved_soft || config->reserved_history ||
+                  config->reserved_budget))
     result = plan_fail(error, CSM_ERROR_INVALID_VALUE, "reserved is not 0");
   if (!result)
     result = check_splits(config, error);
@@ -134,5 +159,8 @@ csm_result plan_config_check(const csm_config *config, const char **error) {
     result = plan_fail(error, CSM_ERROR_INVALID_VALUE, "blend_share is 0, and blend_mode is not off");
   if (!result && config->out_of_range == CSM_OUT_OF_RANGE_FADED && config->fade_share == 0.0)
     result = plan_fail(error, CSM_ERROR_INVALID_VALUE, "fade_share is 0, and out_of_range is faded");
+  const char *refused = result ? NULL : refuse_budget(config);
+  if (refused)
+    result = plan_fail(error, CSM_ERROR_INVALID_VALUE, refused);
   return result;
 }

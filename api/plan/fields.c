@@ -350,6 +350,16 @@ static const plan_config_entry entries[] = {
                    "cosine to the light is below this."),
     ENTRY(ray_grazing_cosine, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 1.0,
           .default_value = 0.02, .unit = "1", .about = "And below this one whatever is known of the plane."),
+    /* budget */
+    ENTRY(budget, .type = CSM_FIELD_UINT, .length = 1, .minimum = 0, .maximum = 7, .default_value = 0, .unit = "1",
+          .about =
+              "Which targets maps get coarser for: the sum of 1 (budget_ms), 2 (budget_wrong) and 4 (budget_mib)."),
+    ENTRY(budget_ms, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 1000000.0, .default_value = 0.0,
+          .unit = "ms", .about = "The GPU's time for maps and for one view's mask."),
+    ENTRY(budget_wrong, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 1.0, .default_value = 0.0,
+          .unit = "1", .about = "The share of wrong pixels, of those that face the light."),
+    ENTRY(budget_mib, .type = CSM_FIELD_DOUBLE, .length = 1, .minimum = 0.0, .maximum = 1000000.0, .default_value = 0.0,
+          .unit = "MiB", .about = "Device memory of maps and moments."),
 };
 
 enum { entry_count = sizeof entries / sizeof *entries };

@@ -266,6 +266,8 @@ static inline double plan_jitter_room(const csm_config *config) {
 double plan_grid_texels(const csm_config *config);
 /* Room that a map leaves at its borders. */
 double plan_padding_texels(const csm_config *config);
+/* What is wrong with the sides of a configuration's maps; NULL: nothing. */
+const char *plan_refuse_sides(const csm_config *config);
 /* Room around what a camera sees, within which what lies in a cascade's map is read for it. */
 double plan_view_room_texels(const csm_config *config, uint32_t cascade);
 

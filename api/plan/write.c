@@ -57,10 +57,11 @@ static void put_maps(float *out, const plan_frame *frame, const csm_config *conf
     const uint32_t index = i < frame->cascade_count ? i : frame->cascade_count - 1;
     const plan_cascade *cascade = &frame->cascades[index];
     const plan_rect *rect = &layout.rects[index];
-    put(out, CSM_C_RECTS + i, rect->x + cascade->begin_texels[0], rect->y + cascade->begin_texels[1], rect->side,
+    const double side = cascade->resolution; /* the rectangle's, unless a budget uses its top left part */
+    put(out, CSM_C_RECTS + i, rect->x + cascade->begin_texels[0], rect->y + cascade->begin_texels[1], side,
         rect->layer);
-    put(out, CSM_C_TEXELS + i, cascade->info.texel_size, 1.0 / cascade->info.depth_range,
-        1.0 - 2.0 * border / rect->side, cascade->texel[0] * cascade->texel[1]);
+    put(out, CSM_C_TEXELS + i, cascade->info.texel_size, 1.0 / cascade->info.depth_range, 1.0 - 2.0 * border / side,
+        cascade->texel[0] * cascade->texel[1]);
     out[CSM_C_SPLITS * 4 + i] = plan_float(cascade->info.far_depth);
     if (i == index)
       put_cascade(out, i, frame, cascade);

@@ -112,6 +112,8 @@ struct technique {
   void (*adopt)(void *state, device *from);
   /* Lets what is fresh go, if anything is. */
   void (*forget)(void *state, device *device);
+  /* Device memory of what `make` made, or found, while it is fresh; NULL: it is not of a budget. */
+  uint64_t (*bytes)(const void *state, const device *device);
   /* Retires all that lies on the device, and forgets what was measured there. What another device can use stays. */
   void (*drop)(void *state, device *device);
   /* Frees host memory that the state keeps; may be NULL. */
@@ -152,6 +154,8 @@ csm_result technique_set_make(technique_set *set, device *device, const csm_conf
 /* adopt after that; what the configuration does not ask for is dropped. */
 void technique_set_adopt(technique_set *set, device *from, const csm_config *config);
 void technique_set_forget(technique_set *set, device *device);
+/* Device memory of the maps and moments that technique_set_make made, before they are adopted. */
+uint64_t technique_set_bytes(const technique_set *set, const device *device, const csm_config *config);
 void technique_set_drop(technique_set *set, device *device);
 /* Drops what the configuration does not ask for. */
 void technique_set_drop_unwanted(technique_set *set, device *device, const csm_config *config);

@@ -6,6 +6,7 @@
 #include "techniques/history/history.h"
 #include "techniques/maps/maps.h"
 #include "techniques/mask/mask.h"
+#include "techniques/mask_count/mask_count.h"
 #include "techniques/moments/moments.h"
 #include "techniques/ranges/ranges.h"
 #include "techniques/rays/instances.h"
@@ -15,7 +16,8 @@
 static const technique *const of_cascades[] = {&technique_maps, &technique_moments, &technique_ranges,
                                                &technique_ray_instances};
 static const technique *const of_views[] = {&technique_camera_depth, &technique_seen_depth, &technique_mask,
-                                            &technique_rays,         &technique_history,    &technique_depth_samples};
+                                            &technique_rays,         &technique_mask_count, &technique_history,
+                                            &technique_depth_samples};
 
 enum {
   OF_CASCADES = sizeof of_cascades / sizeof of_cascades[0],
@@ -84,6 +86,14 @@ void technique_set_adopt(technique_set *set, device *from, const csm_config *con
 void technique_set_forget(technique_set *set, device *device) {
   for (uint32_t i = 0; i < set->count; ++i)
     set->techniques[i]->forget(set->states[i], device);
+}
+
+uint64_t technique_set_bytes(const technique_set *set, const device *device, const csm_config *config) {
+  uint64_t bytes = 0;
+  for (uint32_t i = 0; i < set->count; ++i)
+    if (set->techniques[i]->bytes && set->techniques[i]->wanted(config))
+      bytes += set->techniques[i]->bytes(set->states[i], device);
+  return bytes;
 }
 
 void technique_set_drop(technique_set *set, device *device) {

@@ -1,6 +1,7 @@
 #include "techniques/tiles.h"
 
 #include "shader_code.h"
+#include "techniques/mask/mask_programs.h"
 
 #include <string.h>
 
@@ -14,9 +15,11 @@ static csm_result make_program(gpu gpu, const void *about, gpu_program **out) {
       .name = step->name,
       .vertex = shader_screen_vs,
       .pixel = *step->pixel,
-      .constants_count = 1,
-      .constants_sizes = {block_bytes},
-      .texture_count = 1,
+      .constants_count = 1 + step->masks,
+      .constants_sizes = {block_bytes, step->masks ? MASK_CAMERA_BLOCK : 0},
+      .texture_count = 1 + step->masks,
+      .sampler_count = step->masks,
+      .samplers = {GPU_SAMPLER_POINT_CLAMP},
       .color_format = step->format,
       .cull = GPU_CULL_NONE,
   };
@@ -24,7 +27,7 @@ static csm_result make_program(gpu gpu, const void *about, gpu_program **out) {
 }
 
 static csm_result find_program(device *device, const tile_step *step, gpu_program **out) {
-  const program_key key = {.make = make_program, .name = "a depth tiles program", .about = step, .size = sizeof *step};
+  const program_key key = {.make = make_program, .name = "a tiles program", .about = step, .size = sizeof *step};
   return programs_find(device, &key, out);
 }
 
@@ -110,24 +113,24 @@ uint64_t tile_images_bytes(const tile_images *tiles, const device *device) {
 /* ---- the way back ---- */
 
 /* Each step reads what the one before it wrote. */
-static gpu_bindings_info reads_of(const tile_images *tiles, uint32_t step, gpu_buffer *constants, gpu_image *depth) {
+static gpu_bindings_info reads_of(const tile_images *tiles, uint32_t step, const tile_sources *from) {
+  const bool masks = tiles->kind->steps[step].masks;
   return (gpu_bindings_info){.name = tiles->kind->steps[step].name,
                              .program = tiles->programs[step],
-                             .constants = {constants},
-                             .textures = {step ? tiles->images[step - 1] : depth}};
+                             .constants = {from->constants, masks ? from->constants : NULL},
+                             .textures = {step ? tiles->images[step - 1] : from->depth, masks ? from->mask : NULL}};
 }
 
-static csm_result read_create(device *device, tile_images *tiles, gpu_buffer *constants, gpu_image *depth,
-                              tile_read **out) {
+static csm_result read_create(device *device, tile_images *tiles, const tile_sources *from, tile_read **out) {
   tile_read *read = host_allocate(device->host, sizeof *read);
   if (!read)
     return CSM_ERROR_OUT_OF_MEMORY;
   csm_result result = device_buffer(
-      device, &(gpu_buffer_info){.name = "depth tiles", .kind = GPU_BUFFER_READBACK, .size = buffer_size(tiles)},
+      device, &(gpu_buffer_info){.name = "tiles", .kind = GPU_BUFFER_READBACK, .size = buffer_size(tiles)},
       &read->buffer);
   for (uint32_t i = 0; i < tiles->kind->count && !result; ++i) {
-    const gpu_bindings_info info = reads_of(tiles, i, constants, depth);
-    result = device_check(device, gpu_bindings_create(device->gpu, &info, &read->bindings[i]), "depth tiles");
+    const gpu_bindings_info info = reads_of(tiles, i, from);
+    result = device_check(device, gpu_bindings_create(device->gpu, &info, &read->bindings[i]), "tiles");
   }
   if (result) {
     read_free(device, tiles, read);
@@ -139,15 +142,14 @@ static csm_result read_create(device *device, tile_images *tiles, gpu_buffer *co
   return CSM_SUCCESS;
 }
 
-csm_result tile_images_find_read(tile_images *tiles, device *device, gpu_buffer *constants, gpu_image *depth,
-                                 tile_read **out) {
+csm_result tile_images_find_read(tile_images *tiles, device *device, const tile_sources *from, tile_read **out) {
   tile_read *read = tiles->reads;
   while (read && read->serial > device->done)
     read = read->next;
   if (!read)
-    return read_create(device, tiles, constants, depth, out);
+    return read_create(device, tiles, from, out);
   for (uint32_t i = 0; i < tiles->kind->count; ++i) {
-    const gpu_bindings_info info = reads_of(tiles, i, constants, depth);
+    const gpu_bindings_info info = reads_of(tiles, i, from);
     gpu_bindings_write(device->gpu, read->bindings[i], &info);
   }
   *out = read;
@@ -195,14 +197,14 @@ void tiles_write(void *out, const tile_kind *kind, uint32_t width, uint32_t heig
   }
 }
 
-void tiles_record(const tile_images *tiles, tile_read *read, device *device, uint32_t constants_offset) {
+void tiles_record(const tile_images *tiles, tile_read *read, device *device, const uint32_t constants_offsets[2]) {
   const gpu gpu = device->gpu;
   gpu_marker_begin(gpu, last_step(tiles)->name);
   for (uint32_t i = 0; i < tiles->kind->count; ++i) {
-    const uint32_t offset = constants_offset + i * block_bytes;
+    const uint32_t offsets[] = {constants_offsets[0] + i * block_bytes, constants_offsets[1]};
     gpu_pass_begin(gpu, &(gpu_pass_info){.target = tiles->targets[i], .color_load = GPU_LOAD_DISCARD});
     gpu_pass_program(gpu, tiles->programs[i]);
-    gpu_pass_bind(gpu, read->bindings[i], &offset);
+    gpu_pass_bind(gpu, read->bindings[i], offsets);
     gpu_pass_draw(gpu, &(gpu_draw){.count = 3, .instance_count = 1});
     gpu_pass_end(gpu);
     gpu_make_readable(gpu, tiles->images[i], NULL);

@@ -90,6 +90,8 @@ static void print_table(FILE *to, const run *r) {
   fprintf(to, "%u maps of %u x %u\n", setup->config.cascade_count, setup->config.resolution, setup->config.resolution);
   for (uint32_t i = 0; i < r->count; i++)
     fprintf(to, "  %-8s %s; %s\n", r->stages[i].backend, r->stages[i].device, r->stages[i].driver);
+  for (uint32_t i = 0; i < r->count; i++)
+    stage_print_budget(to, &r->stages[i], &r->frames[i].stats);
   print_cascades(to, r);
   print_row(to, r, "clear, GPU", clear_ms);
   print_row(to, r, "all maps, GPU", stage_maps_ms);

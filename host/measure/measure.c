@@ -143,6 +143,8 @@ static void print_table(FILE *to, const measurement *m) {
   print_setup(to, m);
   print_truth(to, m);
   fputc('\n', to);
+  for (uint32_t i = 0; i < m->count; i++)
+    stage_print_budget(to, &m->stages[i], &m->frames[i].stats);
   metrics_print(to, m->metrics, names, m->count);
   print_time(to, m, "maps, GPU", stage_maps_ms);
   print_time(to, m, "moments, GPU", stage_moments_ms);

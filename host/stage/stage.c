@@ -239,6 +239,32 @@ int stage_draw(stage *s, stage_stats *stats) {
   return exit_code(result);
 }
 
+/* Frames in which a budget that has settled chooses nothing else, and the most that it may take. */
+enum { SETTLED_FRAMES = 20, MOST_SETTLING_FRAMES = 400 };
+
+int stage_settle(stage *s, stage_stats *stats) {
+  int code = stage_draw(s, stats);
+  uint32_t side = code == 0 ? stats->maps.budget_side : 0;
+  for (uint32_t i = 0, same = 0; code == 0 && side && i < MOST_SETTLING_FRAMES && same < SETTLED_FRAMES; i++) {
+    code = stage_draw(s, stats);
+    same = stats->maps.budget_side == side ? same + 1 : 0;
+    side = stats->maps.budget_side;
+  }
+  return code;
+}
+
+void stage_print_budget(FILE *to, const stage *s, const stage_stats *stats) {
+  const csm_stats *maps = &stats->maps;
+  if (!maps->budget_side)
+    return;
+  fprintf(to, "  %-8s budget: %s", s->backend, maps->budget_text);
+  if (maps->budget_ms_predicted >= 0.0)
+    fprintf(to, "; predicted %.2f ms", maps->budget_ms_predicted);
+  if (maps->budget_wrong_predicted >= 0.0)
+    fprintf(to, "; predicted %.4f %% wrong", 100.0 * maps->budget_wrong_predicted);
+  fputc('\n', to);
+}
+
 static double middle_of_three(double a, double b, double c) {
   const double low = a < b ? a : b, high = a < b ? b : a;
   return c < low ? low : c > high ? high : c;
@@ -330,7 +356,7 @@ int stage_read_views(stage *s, stage_frame *out) {
 int stage_capture(stage *s, stage_frame *out) {
   stage_stats timed[TIMED_FRAMES];
   *out = (stage_frame){0};
-  int code = stage_draw(s, &timed[0]);
+  int code = stage_settle(s, &timed[0]);
   const csm_config *config = &s->setup->config;
   for (uint32_t i = TIMED_FRAMES + 1; config->history && code == 0 && i < config->history_frames; i++)
     code = stage_draw(s, &timed[0]);

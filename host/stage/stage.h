@@ -5,6 +5,7 @@
 #include "csm/csm.h"
 #include "setup/options.h"
 #include "stage/assets.h"
+#include <stdio.h>
 
 /* Must not move once it is open. */
 typedef struct stage {
@@ -89,6 +90,10 @@ int stage_render(stage *s);
 
 /* Draws the cascades and the mask with timestamps, and waits. 0, or a code after a message. */
 int stage_draw(stage *s, stage_stats *stats);
+/* Likewise, until a budget has chosen how fine the maps are, if there is one. */
+int stage_settle(stage *s, stage_stats *stats);
+/* Prints what a budget says, if there is one. */
+void stage_print_budget(FILE *to, const stage *s, const stage_stats *stats);
 
 /*
  * Reads back what was drawn, with the maps if they are wanted; the stats are left out. 0, or a code after a message;

@@ -114,10 +114,11 @@ static const char *filter_name(uint32_t filter) {
 static void describe(const view *v, char *text, size_t size) {
   const csm_config *config = &v->setup.config;
   const stage_stats *stats = &v->frame.stats;
-  snprintf(text, size, "%s on %s: %u x %u², %s: maps %.0f ms, moments %.0f ms, mask %.0f ms; frame %.0f + %.0f ms; %s",
+  snprintf(text, size,
+           "%s on %s: %u x %u², %s: maps %.0f ms, moments %.0f ms, mask %.0f ms; frame %.0f + %.0f ms; %s%s%s",
            v->setup.scene.name, v->stage.backend, config->cascade_count, config->resolution,
            filter_name(config->filter), stage_maps_ms(stats), stage_moments_ms(stats), stage_view_ms(stats), v->draw_ms,
-           v->picture_ms, shown_names[v->shown]);
+           v->picture_ms, shown_names[v->shown], stats->maps.budget_side ? "; " : "", stats->maps.budget_text);
 }
 
 /* These cast rays from outside, which takes longer than the others. */
@@ -180,7 +181,7 @@ static int paint(view *v) {
   v->picture_ms = host_now_ms() - start_ms;
   v->repaint = false;
 
-  char text[512], title[600];
+  char text[700], title[800];
   describe(v, text, sizeof text);
   snprintf(title, sizeof title, "csm-host view: %s (H: help)", text);
   view_window_title(v->window, title);
@@ -406,7 +407,7 @@ static int fly_by_itself(view *v) {
   int code = 0;
   for (uint32_t i = 0; i < v->options->frames && code == 0; i++) {
     view_input input;
-    char text[512];
+    char text[700];
     view_window_poll(v->window, 0, &input);
     input_from_key(&input, i < length ? v->options->keys[i] : '.');
     v->redraw = true;

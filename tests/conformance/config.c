@@ -106,6 +106,18 @@ static void contradictions(void **state) {
   } cases[] = {
 #define CASE(what, change) {(c = f.good, change, c), what}
       CASE("split_distances do not rise", c.split_mode = CSM_SPLIT_MANUAL),
+      CASE("budget_ms is not above 0", c.budget = CSM_BUDGET_TIME),
+      CASE("budget_wrong is not above 0", c.budget = CSM_BUDGET_ERROR),
+      CASE("budget_mib is not above 0", c.budget = CSM_BUDGET_MEMORY),
+      CASE("budget_mib is less than", (c.budget = CSM_BUDGET_MEMORY, c.budget_mib = 1e-4)),
+      CASE("budget has a target of time or error",
+           (c.budget = CSM_BUDGET_TIME, c.budget_ms = 1, c.filter = CSM_FILTER_VSM)),
+      CASE("budget has a target of time or error",
+           (c.budget = CSM_BUDGET_TIME, c.budget_ms = 1, c.map_layout = CSM_LAYOUT_PAGES)),
+      CASE("budget has a target of error",
+           (c.budget = CSM_BUDGET_ERROR, c.budget_wrong = 0.1, c.filter = CSM_FILTER_GRID_17)),
+      CASE("out_of_range faded hides",
+           (c.budget = CSM_BUDGET_ERROR, c.budget_wrong = 0.1, c.out_of_range = CSM_OUT_OF_RANGE_FADED)),
       CASE("split_distances do not rise", (c.split_mode = CSM_SPLIT_FRACTIONS, c.split_distances[0] = 0.5)),
       CASE("split_distances are fractions", (c.split_mode = CSM_SPLIT_FRACTIONS, c.split_distances[0] = 0.2,
                                              c.split_distances[1] = 0.5, c.split_distances[2] = 1.5)),

@@ -55,6 +55,10 @@ static const struct {
     {"ray_taps", 2, {16, 3}},
     {"ray_unsure_cosine", 3, {0.1, 1, 0}},
     {"ray_grazing_cosine", 2, {0, 0.4}},
+    {"budget", 4, {0, 4, 1, 2}},
+    {"budget_ms", 1, {1e6}}, /* which any machine keeps: what is drawn must not depend on times */
+    {"budget_wrong", 1, {1}},
+    {"budget_mib", 2, {0.6, 3}},
 };
 
 static void add_level(covering_option *option, double value) {

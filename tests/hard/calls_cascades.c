@@ -59,6 +59,10 @@ static csm_config roll_config(world *w) {
   }
   if (dice_one_in(&w->dice, 6))
     config.filter = CSM_FILTER_EXACT + dice_below(&w->dice, 2);
+  if (dice_one_in(&w->dice, 6)) {
+    config.budget = dice_below(&w->dice, 8);
+    config.budget_ms = config.budget_wrong = config.budget_mib = dice_below(&w->dice, 4) ? 1 : 0;
+  }
   config.resolution = 16 << dice_below(&w->dice, 3);
   for (uint32_t i = 0; i < CSM_MAX_CASCADES; ++i)
     config.resolutions[i] = dice_one_in(&w->dice, 8) ? 16 + dice_below(&w->dice, WORLD_SIDE - 16 + 1) : 0;
@@ -73,6 +77,17 @@ static void keep_small(uint32_t *resolution) {
     *resolution = 16384;
 }
 
+/* What a budget chooses follows from times, masks and padding, which backends differ in: a target is kept by all maps, or refused,
+   and where errors are counted maps have no coarser ones. */
+static void keep_choice(csm_config *config) {
+  const bool error = config->budget <= 7 && config->budget & CSM_BUDGET_ERROR;
+  config->budget_ms = config->budget_ms > 0 && config->budget_ms < 1e5 ? 1e5 : config->budget_ms;
+  config->budget_mib = config->budget_mib > 1e-4 && config->budget_mib < 1e5 ? 1e5 : config->budget_mib;
+  config->resolution = error ? 16 : config->resolution;
+  for (uint32_t i = 0; i < CSM_MAX_CASCADES && error; ++i)
+    config->resolutions[i] = 0;
+}
+
 /* The configuration that a call is to read. */
 static csm_config *write_config(world *w, const csm_config *good) {
   csm_config *written = world_write(w, good, sizeof *good);
@@ -83,6 +98,7 @@ static csm_config *write_config(world *w, const csm_config *good) {
   keep_small(&written->resolution);
   for (uint32_t i = 0; i < CSM_MAX_CASCADES; ++i)
     keep_small(&written->resolutions[i]);
+  keep_choice(written);
   return written;
 }
 

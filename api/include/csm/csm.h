@@ -345,9 +345,10 @@ CSM_API csm_result CSM_CALL csm_scene_remove(csm_scene *scene, uint32_t count, c
 /*
  * Makes the cascades of one light seen from one camera, with their maps.
  * Errors: NULL_POINTER, STRUCT_SIZE, NOT_FINITE, INVALID_VALUE (a field out of range, named in the text; manual splits
- * that do not rise), UNSUPPORTED (polygon_offset_clamp on a device without depthBiasClamp; moments or rays on one that
- * cannot compute or store them), INVALID_STATE (filter exact or exact_soft without CSM_CREATE_RAYS), LIMIT_EXCEEDED
- * (resolution or memory), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE_LOST, DEVICE. *cascades is NULL after an error.
+ * that do not rise; a budget that no maps keep), UNSUPPORTED (polygon_offset_clamp on a device without depthBiasClamp;
+ * moments or rays on one that cannot compute or store them), INVALID_STATE (filter exact or exact_soft without
+ * CSM_CREATE_RAYS), LIMIT_EXCEEDED (resolution or memory), OUT_OF_MEMORY, OUT_OF_DEVICE_MEMORY, DEVICE_LOST, DEVICE.
+ * *cascades is NULL after an error.
  * [render-thread]
  */
 CSM_API csm_result CSM_CALL csm_cascades_create(csm_context *context, const csm_config *config,
@@ -420,7 +421,7 @@ CSM_API csm_result CSM_CALL csm_get_draw_target(csm_cascades *cascades, csm_draw
 typedef struct csm_draw_info {
   uint32_t struct_size;
   uint32_t cascade;
-  uint32_t resolution;   /* of the cascade's map, whose viewport and scissor are set */
+  uint32_t resolution;   /* of the cascade's map, whose viewport and scissor are set; a budget may change it */
   uint32_t depth_format; /* this and the next two as in csm_draw_target */
   uint64_t render_pass;
   uint32_t dynamic_rendering;
@@ -690,6 +691,11 @@ typedef struct csm_stats {
   uint64_t range_bytes;    /* device memory of that */
   uint32_t cells_by;       /* CSM_CELLS_*, of the last frame */
   uint32_t cells_read;     /* of all maps; 0 with CSM_CELLS_ALL, but with map_layout pages */
+  double budget_ms_predicted;    /* with a budget of time: of maps and mask as they are; negative: not known yet */
+  double budget_wrong_predicted; /* with one of error: the share of wrong pixels; negative: not known yet */
+  uint32_t budget_side;          /* of the first cascade's map, in texels, as a budget has it now; 0 without a budget */
+  uint32_t budget_missed;        /* CSM_BUDGET_*: targets that the coarsest, or the finest, maps miss */
+  char budget_text[160];         /* what a budget gave up, and why, in words; "" without one */
 } csm_stats;
 
 /*

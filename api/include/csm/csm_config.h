@@ -88,6 +88,11 @@ enum { CSM_SAMPLING_BILINEAR = 0, CSM_SAMPLING_TRILINEAR = 1, CSM_SAMPLING_ANISO
 enum { CSM_BLEEDING_LINEAR = 0, CSM_BLEEDING_SMOOTHSTEP = 1 };
 enum { CSM_PENUMBRA_LIGHT = 0, CSM_PENUMBRA_RATIO = 1 };
 enum { CSM_HISTORY_OFF = 0, CSM_HISTORY_ON = 1 };
+enum { /* which targets of a budget hold */
+  CSM_BUDGET_TIME = 1u << 0,
+  CSM_BUDGET_ERROR = 1u << 1,
+  CSM_BUDGET_MEMORY = 1u << 2
+};
 
 /*
  * A configuration of cascades, field by field in themes. csm_config_describe gives the unit, range and default of every
@@ -217,6 +222,17 @@ typedef struct csm_config {
   double ray_unsure_cosine; /* masks without an engine's normals: where the depth leaves a pixel's plane unsure, a ray
                                  decides if the cosine of the plane's normal to the light is below this, 0 to 1 */
   double ray_grazing_cosine; /* and below this one wherever the plane is known, too */
+
+  /* Budget: `resolution` and `resolutions` are the most; all maps get coarser alike, down to an eighth of the texels a
+     side, as these targets ask for. csm_stats.budget_text says what was given up, and why. */
+  uint32_t budget;          /* CSM_BUDGET_*: which of the targets hold; 0: none. TIME and ERROR choose anew from frame to
+                               frame, within an image that stays; not with moments or map_layout pages. TIME turns
+                               timestamps on. ERROR is for filters pcf_2x2 and pcf_3x3 */
+  uint32_t reserved_budget; /* 0 */
+  double budget_ms;         /* the GPU's time for maps and for one view's mask, in milliseconds */
+  double budget_wrong;      /* share of the pixels facing the light that are more than half wrong */
+  double budget_mib;        /* device memory of maps and moments, in MiB of 2^20 bytes; with map_layout pages, of second
+                               layers, too */
 } csm_config;
 
 enum { CSM_FIELD_UINT = 0, CSM_FIELD_DOUBLE = 1, CSM_FIELD_ENUM = 2, CSM_FIELD_DOUBLES = 3, CSM_FIELD_UINTS = 4 };

@@ -71,7 +71,8 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
   if (result)
     return result;
   tile_images *tiles = state->fresh ? state->fresh : state->now;
-  result = tile_images_find_read(tiles, run->device, ring->buffer, picture->depth, &state->read);
+  const tile_sources from = {.constants = ring->buffer, .depth = picture->depth};
+  result = tile_images_find_read(tiles, run->device, &from, &state->read);
   if (result)
     return result;
   state->constants_offset = (uint32_t)ring->offset;
@@ -127,7 +128,7 @@ static void end(void *self, host *host) {
 
 static void record(void *self, const technique_run *run) {
   depth_samples_state *state = self;
-  tiles_record(state->now, state->read, run->device, state->constants_offset);
+  tiles_record(state->now, state->read, run->device, (uint32_t[]){state->constants_offset, 0});
 }
 
 static void tell_view(const void *self, const device *device, csm_view_stats *stats) {

@@ -11,6 +11,7 @@
 typedef struct map_objects {
   device *device; /* NULL: nothing */
   map_image *image;
+  bool pages;
   caster_programs casters;
 } map_objects;
 
@@ -23,7 +24,8 @@ typedef struct maps_state {
   page_copies copies;
   /* of the last frame */
   csm_cascade_stats cascades[CSM_MAX_CASCADES];
-  pass_timer timer; /* of the clear, of each cascade */
+  uint32_t sides[CSM_MAX_CASCADES]; /* of maps, in their rectangles' top left corners */
+  pass_timer timer;                 /* of the clear, of each cascade */
   technique_pages pages[CSM_MAX_CASCADES];
   uint32_t pages_drawn, pages_copied, pages_valid;
 } maps_state;
@@ -42,7 +44,7 @@ static bool wanted(const csm_config *config) {
 
 static csm_result make(void *self, device *device, const csm_config *config) {
   maps_state *state = self;
-  map_objects made = {.device = device, .casters.look = caster_look_of(config)};
+  map_objects made = {.device = device, .pages = plan_has_pages(config), .casters.look = caster_look_of(config)};
   const gpu_format format = made.casters.look.format;
   plan_layout layout = {0};
   plan_layout_make(&layout, config);
@@ -57,6 +59,12 @@ static csm_result make(void *self, device *device, const csm_config *config) {
   }
   state->fresh = made;
   return CSM_SUCCESS;
+}
+
+/* Pages may get second layers later. */
+static uint64_t bytes(const void *self, const device *device) {
+  const map_objects *made = &((const maps_state *)self)->fresh;
+  return gpu_image_bytes(device->gpu, made->image->image) * (made->pages ? 2 : 1);
 }
 
 static void forget_measured(maps_state *state, device *device) {
@@ -128,7 +136,7 @@ static void call_engine(const maps_state *state, const technique_run *run, uint3
   csm_draw_info info = {
       .struct_size = sizeof info,
       .cascade = cascade,
-      .resolution = rect->side,
+      .resolution = run->plan->cascades[cascade].resolution,
       .x = rect->x,
       .y = rect->y,
       .depth_format = native.target.depth_format,
@@ -148,8 +156,9 @@ static void draw_map(const maps_state *state, const technique_run *run, uint32_t
   if (!run->plan->windows[cascade].list.draw_count && !run->frame->draw)
     return;
   const plan_rect *rect = &state->now.image->layout.rects[cascade];
-  gpu_pass_begin(gpu, &(gpu_pass_info){.target = state->now.image->targets[rect->layer],
-                                       .area = {rect->x, rect->y, rect->side, rect->side}});
+  const uint32_t side = run->plan->cascades[cascade].resolution;
+  gpu_pass_begin(
+      gpu, &(gpu_pass_info){.target = state->now.image->targets[rect->layer], .area = {rect->x, rect->y, side, side}});
   map_windows_draw(&state->windows, run, &state->now.casters, cascade);
   if (run->frame->draw)
     call_engine(state, run, cascade);
@@ -159,6 +168,7 @@ static void draw_map(const maps_state *state, const technique_run *run, uint32_t
 static void count_casters(maps_state *state, const technique_run *run) {
   for (uint32_t i = 0; i < run->plan->cascade_count; ++i) {
     const plan_cascade *of = &run->plan->cascades[i];
+    state->sides[i] = of->resolution;
     state->cascades[i] =
         (csm_cascade_stats){.casters_drawn = of->casters, .casters_culled = run->scene->caster_count - of->casters};
   }
@@ -280,14 +290,15 @@ static csm_result find(const void *self, uint32_t source, uint32_t cascade, tech
     return CSM_ERROR_INVALID_STATE;
   const map_image *image = state->now.image;
   const plan_rect *rect = &image->layout.rects[cascade];
-  *out = (technique_image){.image = image->image,
-                           .format = image->format,
-                           .width = image->layout.width,
-                           .height = image->layout.height,
-                           .layer = rect->layer,
-                           .pages = state->pages[cascade].across ? &state->pages[cascade] : NULL,
-                           .cleared = clear_depth(state),
-                           .part = {.x = rect->x, .y = rect->y, .width = rect->side, .height = rect->side}};
+  *out = (technique_image){
+      .image = image->image,
+      .format = image->format,
+      .width = image->layout.width,
+      .height = image->layout.height,
+      .layer = rect->layer,
+      .pages = state->pages[cascade].across ? &state->pages[cascade] : NULL,
+      .cleared = clear_depth(state),
+      .part = {.x = rect->x, .y = rect->y, .width = state->sides[cascade], .height = state->sides[cascade]}};
   return CSM_SUCCESS;
 }
 
@@ -317,6 +328,7 @@ const technique technique_maps = {
     .wanted = wanted,
     .make = make,
     .adopt = adopt,
+    .bytes = bytes,
     .forget = forget,
     .drop = drop,
     .size = size,

@@ -39,6 +39,10 @@ static csm_result make(void *self, device *device, const csm_config *config) {
   return result;
 }
 
+static uint64_t bytes(const void *self, const device *device) {
+  return moment_image_bytes(device, ((const moments_state *)self)->fresh.image);
+}
+
 static void drop(void *self, device *device) {
   moments_state *state = self;
   pass_timer_drop(&state->timer, device);
@@ -170,6 +174,7 @@ const technique technique_moments = {
     .wanted = wanted,
     .make = make,
     .adopt = adopt,
+    .bytes = bytes,
     .forget = forget,
     .drop = drop,
     .size = size,

@@ -41,8 +41,8 @@ static csm_result reserve(void *self, technique_run *run, const ring_range *ring
   if (!state->now || state->now->width != picture->width || state->now->height != picture->height)
     result = tile_images_create(run->device, &tiles_of_depth, picture->width, picture->height, &state->fresh);
   if (!result)
-    result = tile_images_find_read(state->fresh ? state->fresh : state->now, run->device, ring->buffer, picture->depth,
-                                   &state->next);
+    result = tile_images_find_read(state->fresh ? state->fresh : state->now, run->device,
+                                   &(tile_sources){.constants = ring->buffer, .depth = picture->depth}, &state->next);
   if (result)
     return result;
   state->constants_offset = (uint32_t)ring->offset;
@@ -86,7 +86,7 @@ static void record(void *self, const technique_run *run) {
   seen_depth_state *state = self;
   const technique_picture *picture = run->picture;
   pass_timer_begin(&state->timer, run, 1);
-  tiles_record(state->now, state->next, run->device, state->constants_offset);
+  tiles_record(state->now, state->next, run->device, (uint32_t[]){state->constants_offset, 0});
   pass_timer_step(&state->timer, run);
   state->read = state->next;
   state->taken = false;
