@@ -156,7 +156,7 @@ static uint32_t find_boxes(plan_receiver_box boxes[PLAN_SEEN_SLOTS], const space
     const uint64_t past = first + ((uint64_t)to << shift);
     const double low = float_of(first + (from << shift)), high = float_of(past < last ? (uint32_t)past : last);
     const double nearness[2] = {fmax(low - slack(seen, low), end), high + slack(seen, high)};
-    if (nearness[1] >= end)
+    if (nearness[1] >= end && nearness[0] <= nearness[1]) /* a slot beyond the last surface is none */
       boxes[count++] = box_between(&range, space, nearness);
   }
   return count;
