@@ -36,16 +36,6 @@ typedef struct bench {
   side list_side, kept_side;
 } bench;
 
-static void *CSM_CALL give(void *user, size_t size, size_t align) {
-  (void)user;
-  return aligned_alloc(align, (size + align - 1) / align * align);
-}
-
-static void CSM_CALL take_back(void *user, void *memory) {
-  (void)user;
-  free(memory);
-}
-
 static double now_ms(void) {
   struct timespec time;
   clock_gettime(CLOCK_MONOTONIC, &time);
@@ -174,9 +164,11 @@ static void compare(bench *b, uint32_t moved) {
 }
 
 static void begin_side(side *side, uint64_t key) {
-  instances_begin(&side->store, &(instances_memory){.allocate = give, .release = take_back}, handles_key(side, key));
+  instances_begin(&side->store, &(instances_memory){.allocate = support_allocate, .release = support_release},
+                  handles_key(side, key));
   side->memory = memory_make(instance_count, mesh_count, PLAN_WINDOWS_MOST);
-  side->cache = (plan_cache){.memory = give(NULL, plan_cache_size(instance_count), 64), .slots = instance_count};
+  side->cache =
+      (plan_cache){.memory = support_allocate(NULL, plan_cache_size(instance_count), 64), .slots = instance_count};
   if (!side->cache.memory)
     stop("out of memory");
 }

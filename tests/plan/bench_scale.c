@@ -35,16 +35,6 @@ typedef struct mode {
   uint32_t caster_set, layout;
 } mode;
 
-static void *CSM_CALL give(void *user, size_t size, size_t align) {
-  (void)user;
-  return aligned_alloc(align, (size + align - 1) / align * align);
-}
-
-static void CSM_CALL take_back(void *user, void *memory) {
-  (void)user;
-  free(memory);
-}
-
 static double now_ms(void) {
   struct timespec time;
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
@@ -94,10 +84,11 @@ static void add_instances(bench *b, uint32_t count) {
 static void begin(bench *b, uint32_t count) {
   *b = (bench){.random = {5}};
   make_meshes(b);
-  instances_begin(&b->store, &(instances_memory){.allocate = give, .release = take_back}, handles_key(&b->store, 1));
+  instances_begin(&b->store, &(instances_memory){.allocate = support_allocate, .release = support_release},
+                  handles_key(&b->store, 1));
   add_instances(b, count);
   b->memory = memory_make(count, mesh_count, PLAN_WINDOWS_MOST);
-  b->cache = (plan_cache){.memory = give(NULL, plan_cache_size(count), 64), .slots = count};
+  b->cache = (plan_cache){.memory = support_allocate(NULL, plan_cache_size(count), 64), .slots = count};
   b->matrices = malloc((size_t)count * 12 * sizeof *b->matrices);
   if (!b->cache.memory || !b->matrices)
     stop("out of memory");

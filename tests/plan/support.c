@@ -212,6 +212,16 @@ plan_frame plan_empty(const csm_config *config, const test_camera *camera, const
   return frame;
 }
 
+void *CSM_CALL support_allocate(void *user, size_t size, size_t align) {
+  (void)user;
+  return aligned_alloc(align, (size + align - 1) / align * align);
+}
+
+void CSM_CALL support_release(void *user, void *memory) {
+  (void)user;
+  free(memory);
+}
+
 plan_memory *memory_make(uint32_t most, uint32_t mesh_count, uint32_t window_count) {
   plan_memory *memory = malloc(sizeof *memory);
   assert_non_null(memory);

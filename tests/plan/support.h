@@ -51,6 +51,9 @@ csm_config random_config(random_state *random);
 /* A sound one whose fit, snapping, filter, resolutions and splits may be any of all. */
 csm_config random_full_config(random_state *random);
 
+/* Memory for a store of instances, and for caches. */
+void *CSM_CALL support_allocate(void *user, size_t size, size_t align);
+void CSM_CALL support_release(void *user, void *memory);
 /* Room for plans that find so many instances. */
 plan_memory *memory_make(uint32_t most, uint32_t mesh_count, uint32_t window_count);
 void memory_free(plan_memory *memory);

@@ -3,16 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void *CSM_CALL give(void *user, size_t size, size_t align) {
-  (void)user;
-  return aligned_alloc(align, (size + align - 1) / align * align);
-}
-
-static void CSM_CALL take_back(void *user, void *memory) {
-  (void)user;
-  free(memory);
-}
-
 void world_begin(world *w, uint64_t seed) {
   memset(w, 0, sizeof *w);
   w->random.value = seed;
@@ -23,7 +13,8 @@ void world_begin(world *w, uint64_t seed) {
     w->names[i] = handles_take(&w->handles);
     plan_bounds_make(&w->bounds[i], (float[]){-1, 0, -1}, (float[]){1, (float)i, 1});
   }
-  instances_begin(&w->store, &(instances_memory){.allocate = give, .release = take_back}, handles_key(&w->store, seed));
+  instances_begin(&w->store, &(instances_memory){.allocate = support_allocate, .release = support_release},
+                  handles_key(&w->store, seed));
   for (int i = 0; i < 2; ++i)
     w->memory[i] = memory_make(2 * WORLD_MOST, WORLD_MESHES, PLAN_WINDOWS_MOST);
 }
@@ -80,5 +71,5 @@ void world_reserve_cache(plan_cache *cache, uint32_t slots) {
   if (cache->slots >= slots)
     return;
   free(cache->memory);
-  *cache = (plan_cache){.memory = give(NULL, plan_cache_size(slots), 64), .slots = slots};
+  *cache = (plan_cache){.memory = support_allocate(NULL, plan_cache_size(slots), 64), .slots = slots};
 }
