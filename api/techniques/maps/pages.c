@@ -23,7 +23,7 @@ bool page_copies_any(const plan_frame *plan) {
 
 uint64_t page_copies_bytes(const plan_frame *plan) {
   uint64_t rects = 0;
-  for (uint32_t i = 0; i < plan->cascade_count && page_copies_any(plan); ++i)
+  for (uint32_t i = 0; i < plan->cascade_count; ++i)
     rects += count_rects(plan->cascades[i].saved) + count_rects(plan->cascades[i].copied);
   return rects * sizeof(page_rect);
 }
@@ -47,7 +47,7 @@ static page_rects write_rects(const ring_range *ring, uint64_t *at, const uint64
 void page_copies_write(page_copies *copies, const plan_frame *plan, const ring_range *ring) {
   uint64_t at = 0;
   *copies = (page_copies){.buffer = ring->buffer};
-  for (uint32_t i = 0; i < plan->cascade_count && page_copies_any(plan); ++i) {
+  for (uint32_t i = 0; i < plan->cascade_count; ++i) {
     copies->saved[i] = write_rects(ring, &at, plan->cascades[i].saved, i);
     copies->copied[i] = write_rects(ring, &at, plan->cascades[i].copied, i);
   }
